@@ -67,7 +67,7 @@ def stepper_on_subset(
             def at_point(hertz: float, count: int) -> None:
                 passes.at_point((hertz - low) / (high - low), count, f"{hertz:.2f} Hz")
 
-            model, sample = history_points(
+            model, sample, expected = history_points(
                 modes, state, system.laws, amplitude=amplitude, frequencies=(low, high), tolerance=tolerance,
                 on_round=passes.report, on_point=at_point,
             )  # fmt: skip
@@ -82,7 +82,15 @@ def stepper_on_subset(
         return None
     progress.info(f"friction at {len(sample.points)} of {system.n_points} contact points, {model.size} basis vectors")
     found = sampled_stepper(
-        system, state, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error
+        system,
+        state,
+        scheme,
+        options,
+        dt=dt,
+        model=model,
+        sample=sample,
+        largest_error=largest_error,
+        expected=expected,
     )
     found.training_seconds = clock.process_time() - began
     return found

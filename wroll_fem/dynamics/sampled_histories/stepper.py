@@ -50,6 +50,9 @@ class SampledStepper(ReducedStepper):
         Subset of the contact points.
     largest_error
         Error estimate above which a run stops with `ReductionError`; not checked by default.
+    expected
+        Squared energy norm of the largest motion that is expected, J. While the motion is smaller, the errors that
+        stop a run are relative to it: the basis, which does not grow, is for this motion and not for its beginning.
 
     Attributes
     ----------
@@ -63,7 +66,7 @@ class SampledStepper(ReducedStepper):
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
-        model: ReducedModel, sample: PointSample, largest_error: float = np.inf,
+        model: ReducedModel, sample: PointSample, largest_error: float = np.inf, expected: float = 0.0,
     ):  # fmt: skip
         super().__init__(
             system, preload, scheme, options, dt=dt, largest_error=largest_error, condensation=model.condensation
@@ -72,7 +75,7 @@ class SampledStepper(ReducedStepper):
         self.all = self.points
         none = np.zeros(2 * n), np.zeros(n), np.zeros(1)
         self.followers = Followers(ContactMemory.of(preload), Accumulated.zeros(n), *none)
-        self.looked, self.training_seconds = np.zeros(3), 0.0
+        self.looked, self.training_seconds, self._expected = np.zeros(3), 0.0, expected
         self.evaluate(EvaluatedPoints.of(system.laws, preload, model.springs, sample))
         self.adopt(model)
 
@@ -151,6 +154,11 @@ class SampledStepper(ReducedStepper):
         return estimate(float(self.looked[1]), float(self.looked[0]), float(self.state.opened[0]))
 
     @property
+    def stopping_error(self) -> float:
+        """`error_estimate` relative to the expected motion, or to the motion itself once it is larger."""
+        return estimate(float(self.looked[1]), max(float(self.looked[0]), self._expected), float(self.state.opened[0]))
+
+    @property
     def work_error(self) -> float:
         """Friction work of the subset minus that of all points in the same motion, relative to the latter.
 
@@ -182,8 +190,11 @@ class TrigonometricSampledStepper(SampledStepper, TrigonometricStepper):
 
 def sampled_stepper(
     system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float, model: ReducedModel,
-    sample: PointSample, largest_error: float = np.inf,
+    sample: PointSample, largest_error: float = np.inf, expected: float = 0.0,
 ) -> SampledStepper:  # fmt: skip
     """Stepper on the points of ``sample`` for the ``scheme``."""
     kind = TrigonometricSampledStepper if scheme.exact_modes else SampledStepper
-    return kind(system, preload, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error)
+    return kind(
+        system, preload, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error,
+        expected=expected,
+    )  # fmt: skip

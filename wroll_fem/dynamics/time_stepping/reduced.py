@@ -72,14 +72,12 @@ FLOATING = 1e-12
 """Lowest eigenvalue of the structure with its interfaces stuck, relative to the highest eigenvalue, below which a part
 of the structure counts as unrestrained."""
 
-LARGEST = 400
-"""Largest number of reduced coordinates; a run that needs more stops with an error."""
+START_MODES, LARGEST = 12, 400
+"""Number of reduced coordinates at the start, and the largest one; a run that needs more stops with an error."""
 
 MANY = 150
 """Number of reduced coordinates, or half the number of contact points if that is more, from which a run that may fall
 back to `condensed` does so, since it is as fast."""
-
-START_MODES = 12
 
 MANY_DOFS = 10_000
 """Number of DOFs of a structure above which it is not represented by all its modes, but by those that its loads excite
@@ -293,12 +291,11 @@ class ReducedStepper(Stepper):
             redone += clock.process_time() - began
 
     def _accept(self, records: FloatArray, time: float) -> None:
-        """Take note of the opening in a block of steps; raise a ReductionError if the estimate exceeds its limit."""
+        """Take note of the opening in a block of steps; raise a ReductionError if `stopping_error` is too large."""
         opened = np.abs(records[:, OPEN] - self._open_at_rest).max(initial=0.0)
         self.state.opened[0] = max(float(self.state.opened[0]), float(opened))
-        if self.error_estimate > self.largest_error:
-            reached = f"the error of the reduced model reaches {100 * self.error_estimate:.2g} %"
-            raise self._refused(reached, time)
+        if (error := self.stopping_error) > self.largest_error:
+            raise self._refused(f"the error of the reduced model reaches {100 * error:.2g} %", time)
 
     def _check_residuals(self) -> tuple[FloatArray, FloatArray]:
         """Squared energy norms of the projection error (k,) and of the motion (k,) at the k residual checks, J.
@@ -333,10 +330,9 @@ class ReducedStepper(Stepper):
         The residual force is the sum of the forces of inertia, dashpots, interfaces and base motion.
         """
         c = self.condensation
-        values = c.eigenvalues[:, None]
         response = self._inertia @ a + np.outer(c.base / c.eigenvalues, base)
         if self.system.n_points:
-            response += modal_force(c, self.system.weights[:, None] * s) / values
+            response += modal_force(c, self.system.weights[:, None] * s) / c.eigenvalues[:, None]
         if self._dashpots is not None:
             response += self._dashpots @ v
         return response
@@ -377,6 +373,11 @@ class ReducedStepper(Stepper):
         """
         state = self.state
         return estimate(*(float(part[0]) for part in (state.projection_error, state.motion_norm, state.opened)))
+
+    @property
+    def stopping_error(self) -> float:
+        """Error that stops a run once it exceeds its limit."""
+        return self.error_estimate
 
     @property
     def complete(self) -> bool:

@@ -67,11 +67,12 @@ def history_points(
     frequencies: tuple[float, float], tolerance: float,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
-) -> tuple[ReducedModel, PointSample | None]:  # fmt: skip
-    """Reduced model and subset of the contact points for the motions of a response curve.
+) -> tuple[ReducedModel, PointSample | None, float]:  # fmt: skip
+    """Reduced model and subset of the contact points for the motions of a response curve, and their largest energy, J.
 
-    The subset has both points of each pair with half-period symmetry, since a history has this symmetry at no instant.
-    It is None if nothing slips. Arguments as for `trained_response`.
+    The energy is the squared energy norm of the amplitudes. The subset has both points of each pair with half-period
+    symmetry, since a history has this symmetry at no instant. It is None if nothing slips. Arguments as for
+    `trained_response`.
 
     Raises
     ------
@@ -94,7 +95,8 @@ def history_points(
     sample = sampled(replace(structure, symmetry=None).contact(model), _motions(found.curve))
     if sample is not None and not stable(model, EvaluatedPoints.of(laws, preload, model.springs, sample)):
         raise _refused("its subset is unstable where all its points slide")
-    return model, sample
+    amplitudes = found.curve.coefficients[:, 1:]
+    return model, sample, float(np.einsum("phm,m->p", amplitudes**2, model.eigenvalues).max())
 
 
 def stable(model: ReducedModel, points: EvaluatedPoints) -> bool:
