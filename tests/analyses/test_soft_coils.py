@@ -32,24 +32,17 @@ def modes_of(case: wf.Case) -> xr.Dataset:
     )
 
 
-@pytest.mark.parametrize(("band", "gravity"), [((240, 340), 0.5), ((10, 30), 0.1)])
+@pytest.mark.parametrize(("band", "level"), [((240, 340), 0.5), ((10, 30), 0.1)])
 def test_a_coil_that_moves_by_itself_is_told_of_with_the_mode_that_is_followed(
-    band: tuple[int, int], gravity: float
+    band: tuple[int, int], level: float
 ) -> None:
     """One band is around the bending of the mandrel, in which this coil hardly moves, the other around its own mode.
 
     In its own mode the coil lifts off nearly everywhere at 0.5 g: 0.1 g keep it closed.
     """
-    case = wf.load_case(
-        CONFIGS / "sspp_friction.yaml",
-        [
-            *COARSE,
-            SOFT,
-            f"excitation.f_start={band[0]}",
-            f"excitation.f_end={band[1]}",
-            f"excitation.amplitude_g={gravity}",
-        ],
-    )
+    excitation = (f"f_start={band[0]}", f"f_end={band[1]}", f"amplitude_g={level}")
+    changes = [*COARSE, SOFT, *(f"excitation.{entry}" for entry in excitation)]
+    case = wf.load_case(CONFIGS / "sspp_friction.yaml", changes)
     progress = SilentProgress()
     found = wf.run(case, progress=progress)
     [told] = [text for text in progress.warnings if "the base excites a mode at" in text]
