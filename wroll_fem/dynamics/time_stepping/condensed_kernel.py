@@ -37,6 +37,9 @@ STUCK_RATE, STUCK_SHARE = 0.5, 0.3
 or points near their slip limit, whose friction depends on the normal jump."""
 ALL_POINTS = 20
 """Number of iterations after which all points are included."""
+NEGLIGIBLE = np.float32(1e-12)
+"""Entries of Newton's matrix, whose diagonal is near 1, that are replaced by zero. Entries that symmetry makes zero are
+1e-40 by rounding, and such subnormal numbers make LU factors seven times slower on some processors."""
 SHORTEST = 0.3
 """Damping factor below which a step with a new matrix is taken even if it does not reduce the residual; a shorter one
 only delays the change of the points' states."""
@@ -236,7 +239,8 @@ def _factor(active, tangent, springs, compliance):
         f0, f1, f2 = compliance[hoop(k)], compliance[axial(k)], compliance[normal(k, n)]
         for j in range(m):
             a = active[j]
-            matrix[i, j] = c0 * f0[a] + c1 * f1[a] + c2 * f2[a]
+            value = c0 * f0[a] + c1 * f1[a] + c2 * f2[a]
+            matrix[i, j] = value if abs(value) > NEGLIGIBLE else np.float32(0.0)
         matrix[i, i] += 1.0
     return _Factors(active, change, matrix, lu.factor(matrix))
 
