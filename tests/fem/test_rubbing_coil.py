@@ -19,11 +19,11 @@ from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.bodies.base_loads import base_rotation
 from wroll_fem.case import build_case
 from wroll_fem.case.case import Case
+from wroll_fem.dynamics.reduction import stuck_modes
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.preload import solve_preload
 from wroll_fem.dynamics.statics.pressure_matching import mean_pressures
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping import reduced
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import simulate
@@ -354,8 +354,8 @@ def test_modes_that_the_loads_excite_are_enough_for_a_history(monkeypatch: pytes
     scheme, motion, dt = Scheme.hht(-0.05), Dwell(20.0, 130.0, 8, 2), 1 / 5200
     tips, counts = [], []
     for many in (each.n_dofs, each.n_dofs - 1):
-        monkeypatch.setattr(reduced, "MANY_DOFS", many)
-        modes = reduced.modes_to_reduce(each, preload, scheme, dt)
+        monkeypatch.setattr(stuck_modes, "MANY_DOFS", many)
+        modes = stuck_modes.modes_to_reduce(each, preload, scheme, dt)
         run = CondensedStepper(each, preload, scheme, NewtonOptions(), dt=dt, condensation=modes)
         history = simulate(each, preload, motion, dt=dt, scheme=scheme, stepper=run)
         tips.append(history["tip_displacement"].values)
@@ -367,7 +367,7 @@ def test_modes_that_the_loads_excite_are_enough_for_a_history(monkeypatch: pytes
 
 def test_a_reduced_run_and_the_one_that_replaces_it_have_the_same_modes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also if the run is resumed: the checkpoint holds as many modal coordinates as there are modes."""
-    monkeypatch.setattr(reduced, "MANY_DOFS", 0)
+    monkeypatch.setattr(stuck_modes, "MANY_DOFS", 0)
     monkeypatch.setattr(history_module, "LARGE_REDUCTION_ERROR", 0.0)
     case = roll("sweep", excitation={"amplitude": 20.0, "rate_oct_per_min": 600}, preload={"pressure": 1e4},
                 mesh={"circumferential": 8, "axial": 3, "radial": 1})  # fmt: skip

@@ -25,11 +25,12 @@ from wroll_fem.dynamics.path_span.span import PathSpan
 from wroll_fem.dynamics.path_span.stepper import PathStepper, path_stepper
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.stuck_modes import modes_to_reduce
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.condensed import CondensedStepper
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, modes_to_reduce
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, saved_method, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.errors import ConvergenceError, ReductionError

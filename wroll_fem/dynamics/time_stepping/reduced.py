@@ -26,12 +26,12 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.point import contact_dofs
-from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
+from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.error_estimate import estimate
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
-from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
+from wroll_fem.dynamics.reduction.stuck_modes import modes_to_reduce
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit, open_fraction, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -79,10 +79,6 @@ MANY = 150
 """Number of reduced coordinates, or half the number of contact points if that is more, from which a run that may fall
 back to `condensed` does so, since it is as fast."""
 
-MANY_DOFS = 10_000
-"""Number of DOFs of a structure above which it is not represented by all its modes, but by those that its loads excite
-(`MOMENTS`). This takes a seventh of the modes of a solid coil; a chirp of HabEx changes by 3e-6."""
-
 
 class ReducedStepper(Stepper):
     """Time stepping in reduced coordinates, whose basis is enriched during the run; used like `CondensedStepper`.
@@ -105,6 +101,7 @@ class ReducedStepper(Stepper):
     """
 
     name = "reduced"
+    block: ClassVar[int] = BLOCK
     check_every: ClassVar[int] = CHECK_EVERY
     remedy: ClassVar[str] = "use solver.method: condensed, or raise solver.reduction_tolerance"
     state: ReducedState
@@ -252,7 +249,7 @@ class ReducedStepper(Stepper):
         )  # fmt: skip
 
     def advance(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
-        """Advance k time steps, in blocks of `BLOCK` steps.
+        """Advance k time steps, in blocks of `block` steps.
 
         If the basis is insufficient for a block, it is enriched and the block is repeated.
 
@@ -264,8 +261,9 @@ class ReducedStepper(Stepper):
         """
         if not self.complete:
             self._check_held(time)
-        blocks = range(0, len(acceleration) - 1, BLOCK)
-        return np.vstack([self._advance_block(acceleration[i : i + BLOCK + 1], dt, time + i * dt) for i in blocks])
+        size = self.block
+        blocks = range(0, len(acceleration) - 1, size)
+        return np.vstack([self._advance_block(acceleration[i : i + size + 1], dt, time + i * dt) for i in blocks])
 
     def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         start, redone = self.snapshot(), 0.0
@@ -383,13 +381,6 @@ class ReducedStepper(Stepper):
     def complete(self) -> bool:
         """Whether the basis contains all modes, so that the model is exact."""
         return self.model.size == len(self.condensation.eigenvalues)
-
-
-def modes_to_reduce(system: System, preload: ContactState, scheme: Scheme, dt: float) -> Condensation:
-    """Modes of the structure with stuck interfaces, in which a reduced model has its basis; see `MANY_DOFS`."""
-    springs = reference_stiffness(system, preload, dt)
-    moments = MOMENTS if system.n_dofs > MANY_DOFS and held(system, springs) else 0
-    return condense(system, springs, scheme, dt, moments=moments)
 
 
 def empty_matrix(m: int, contact: ContactMemory) -> KeptMatrix:
