@@ -67,7 +67,7 @@ def stepper_on_subset(
             def at_point(hertz: float, count: int) -> None:
                 passes.at_point((hertz - low) / (high - low), count, f"{hertz:.2f} Hz")
 
-            model, sample, expected = history_points(
+            trained = history_points(
                 modes, state, system.laws, amplitude=amplitude, frequencies=(low, high), tolerance=tolerance,
                 on_round=passes.report, on_point=at_point,
             )  # fmt: skip
@@ -76,22 +76,15 @@ def stepper_on_subset(
         cause = stop.problem.replace("harmonic.reduction_tolerance", "its tolerance")
         progress.warning(f"no subset of the contact points is used: its training stops ({cause})")
         return None
-    if sample is None or len(sample.points) > FEWER * system.n_points:
-        needed = "nothing slips" if sample is None else f"it would need {len(sample.points)} of {system.n_points}"
+    count = 0 if trained is None else len(trained.sample.points)
+    if trained is None or count > FEWER * system.n_points:
+        needed = f"it would need {count} of {system.n_points}" if count else "nothing slips"
         progress.info(f"no subset of the contact points is used: {needed}")
         return None
-    progress.info(f"friction at {len(sample.points)} of {system.n_points} contact points, {model.size} basis vectors")
+    progress.info(f"friction at {count} of {system.n_points} contact points, {trained.model.size} basis vectors")
     found = sampled_stepper(
-        system,
-        state,
-        scheme,
-        options,
-        dt=dt,
-        model=model,
-        sample=sample,
-        largest_error=largest_error,
-        expected=expected,
-    )
+        system, state, scheme, options, dt=dt, trained=trained, largest_error=largest_error
+    )  # fmt: skip
     found.training_seconds = clock.process_time() - began
     return found
 

@@ -13,17 +13,23 @@ from support.paths import CONFIGS
 
 from wroll_fem import load_case
 from wroll_fem.analyses.shared.preparation import prepare
+from wroll_fem.contact import kernels
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.stuck_modes import modes_to_reduce
+from wroll_fem.dynamics.reduction.trained_subset import TrainedSubset
+from wroll_fem.dynamics.sampled_histories.following import Followers, _follow_stepwise, follow
 from wroll_fem.dynamics.sampled_histories.stepper import SampledStepper, sampled_stepper
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping import simulate as module
 from wroll_fem.dynamics.time_stepping.hht import Scheme
-from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper, modes_to_reduce
+from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.time_stepping.simulate import Checkpointing, make_stepper, simulate
+from wroll_fem.dynamics.time_stepping.state import named_arrays
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
-from wroll_fem.dynamics.training.history_points import history_points, stable
+from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.history_points import compressed, history_points, stable
 from wroll_fem.errors import ConvergenceError, ReductionError
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
@@ -62,7 +68,8 @@ def history(run: Stepper, name: str, motion: Dwell = STRONG, **more: object) -> 
 
 def stepper(name: str, sample: PointSample, model: ReducedModel, pressure: float = 1e5) -> SampledStepper:
     system, state = prepared(pressure=pressure)
-    return sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample)
+    trained = TrainedSubset(model, sample)
+    return sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, trained=trained)
 
 
 def every_point(factor: float = 1.0) -> PointSample:
@@ -99,6 +106,36 @@ def test_points_that_follow_have_the_slip_and_the_opening_of_the_integration(nam
     assert gap(found) < 1e-7
 
 
+@pytest.mark.parametrize("turning", [True, False])
+@pytest.mark.parametrize("block", [1, 7, 60])
+def test_points_that_stick_through_a_block_follow_as_in_single_steps(block: int, turning: bool) -> None:
+    """Of a motion that grows until points slide and open; bit by bit."""
+    system, state = prepared(pressure=1e4)
+    points = EvaluatedPoints.of(system.laws, state, whole("hht", 1e4)[1].springs)
+    rng, steps = np.random.default_rng(5), 120
+    shape = rng.normal(size=(3 * points.n, 1)) * np.r_[np.full(2 * points.n, 3e-6), np.full(points.n, 1e-8)][:, None]
+    jumps = shape * np.sin(np.arange(1, steps + 1) / 6.0) * np.linspace(0.0, 1.0, steps)
+    together, single = Followers.of(state), Followers.of(state)
+    shares = [follow(part, points, DT, together, to_turning_points=turning) for part in parts_of(jumps, block)]
+    right = np.zeros((steps, 2))
+    stepwise = np.ascontiguousarray(jumps.T)
+    single.time_step[0] = DT
+    _follow_stepwise(stepwise, points.reference, points.laws, DT, turning, single, right)
+    assert 0.0 < right[:, 1].max() < points.n
+    assert right[:, 0].max() > 0.0
+    np.testing.assert_array_equal(np.vstack(shares), right / points.n)
+    for name, values in named_arrays(single):
+        found = dict(named_arrays(together))[name]
+        if name != "accumulated_work":
+            np.testing.assert_allclose(found, values, rtol=1e-14, atol=1e-30, err_msg=name)
+    friction = single.accumulated.work[kernels.FRICTION]
+    assert together.accumulated.work[kernels.FRICTION] == pytest.approx(friction, rel=1e-12)
+
+
+def parts_of(jumps: np.ndarray, block: int) -> list[np.ndarray]:
+    return [jumps[:, i : i + block] for i in range(0, jumps.shape[1], block)]
+
+
 @SCHEMES
 def test_all_points_in_the_subset_give_the_history_of_all_points(name: str) -> None:
     """In the same basis."""
@@ -126,23 +163,21 @@ def test_a_trained_subset_has_the_history_and_the_slip_of_all_points(name: str) 
     """Its errors are within those that it states."""
     system, state = prepared("{circumferential: 16, axial: 8, grading: 10}")
     modes = modes_to_reduce(system, state, scheme(name), DT)
-    model, sample, expected = history_points(
-        modes, state, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-3
-    )
-    assert sample is not None
-    assert len(sample.points) < 0.4 * system.n_points
+    trained = history_points(modes, state, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-3)
+    assert trained is not None
+    assert len(trained.sample.points) < 0.4 * system.n_points
     motion = Dwell(5.0, 154.0, 30.0, ramp_cycles=5.0)
     every = make_stepper(
         system, state, method="reduced", scheme=scheme(name), options=NewtonOptions(), dt=DT, condensation=modes,
         reduction_tolerance=2e-4,
     )  # fmt: skip
     right = history(every, name, motion)
-    run = sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, model=model, sample=sample)
+    run = sampled_stepper(system, state, scheme(name), NewtonOptions(), dt=DT, trained=trained)
     found = history(run, name, motion)
-    assert float(run.looked[0]) == pytest.approx(expected, rel=0.1)  # the dwell is near the peak of the curve
+    assert float(run.looked[0]) == pytest.approx(trained.largest, rel=0.1)  # the dwell is near the peak of the curve
     tip, work = right["tip_displacement"].values, float(right["friction_energy"][-1])
     stated = found.attrs
-    assert stated["sampled_points"] == len(sample.points)
+    assert stated["sampled_points"] == len(trained.sample.points)
     assert stated["sampling_work_error"] < 1e-2
     assert stated["reduction_error_estimate"] < 5e-3
     assert np.abs(found["tip_displacement"].values - tip).max() < 5e-3 * np.abs(tip).max()
@@ -150,6 +185,26 @@ def test_a_trained_subset_has_the_history_and_the_slip_of_all_points(name: str) 
     slip = right["max_slip"].values
     np.testing.assert_allclose(found["max_slip"].values, slip, rtol=0, atol=1e-2 * slip.max())
     assert gap(found) < 1e-7
+
+
+def test_principal_shapes_leave_the_tolerance_of_every_motion() -> None:
+    system, state = prepared("{circumferential: 16, axial: 8, grading: 10}")
+    modes = modes_to_reduce(system, state, scheme("hht"), DT)
+    curve = trained_response(
+        modes, state, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), harmonics=5, samples=64, tolerance=1e-3,
+        hyper_reduction=True,
+    ).curve  # fmt: skip
+    model = curve.balance.model
+    root = np.sqrt(modes.eigenvalues)
+    motions = (curve.coefficients @ model.vectors.T) * root
+    largest = np.linalg.norm(motions, axis=(1, 2)).max()
+    for tolerance in (1e-2, 1e-3):
+        small = compressed(curve, tolerance)
+        assert small.size < model.size
+        span, _ = np.linalg.qr(root[:, None] * small.vectors)
+        left = np.linalg.norm(motions - motions @ span @ span.T, axis=(1, 2)).max()
+        assert left < tolerance * largest
+    assert left > 1e-2 * tolerance * largest  # no more shapes than needed
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.8])

@@ -50,13 +50,25 @@ class EvaluatedPoints:
     ) -> EvaluatedPoints:
         """All points, or those of a ``sample``; ``springs`` (3 n_points,), Pa/m, is the reference contact stiffness."""
         points, factors = (np.arange(laws.n), np.ones(laws.n)) if sample is None else sample
-        dofs = np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * laws.n + points])
+        dofs = dofs_of(points, laws.n)
         taken = laws.take(points)._replace(area=laws.area[points] * factors)
         slip = preload.elastic_slip[dofs[: 2 * len(points)]]
         reference = Reference(preload.jump[dofs], slip, preload.traction[dofs], springs[dofs])
         return cls(taken, dofs, per_dof(taken.area, taken.area), reference)
 
+    def take(self, points: IntArray) -> EvaluatedPoints:
+        """Some of these points, with the given indices among them."""
+        here = dofs_of(points, self.n)
+        jump, slip, traction, springs = self.reference
+        reference = Reference(jump[here], slip[here[: 2 * len(points)]], traction[here], springs[here])
+        return EvaluatedPoints(self.laws.take(points), self.dofs[here], self.weights[here], reference)
+
     @property
     def n(self) -> int:
         """Number of evaluated points."""
         return self.laws.n
+
+
+def dofs_of(points: IntArray, n: int) -> IntArray:
+    """(3 a,) contact degrees of freedom of a ``points`` among ``n``: hoop and axial of each point, then the normals."""
+    return np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * n + points])

@@ -2,7 +2,7 @@ r"""Time stepping in a trained basis with the friction of a weighted subset of t
 
 Basis and subset come from the motions of a response curve (`training.history_points`). The steps need the contact
 forces of the subset only. All points follow the motion in the same steps, so that slip and opening are known
-everywhere, and so is the friction work without the subset. Whenever the motion has grown, the forces of all points are
+everywhere, and so is the friction work without the subset. Where the motion has grown, the forces of all points are
 put into the equation of motion of the whole structure. The residual has a part outside the basis, which is the
 projection error of `reduced`, and a part in the basis, which is the error of the subset.
 """
@@ -14,24 +14,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from wroll_fem.contact import kernels
-from wroll_fem.contact.kernels import Reference
 from wroll_fem.dynamics.reduction.error_estimate import estimate
-from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
+from wroll_fem.dynamics.reduction.trained_subset import TrainedSubset
 from wroll_fem.dynamics.sampled_histories.following import Followers, follow
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
 from wroll_fem.dynamics.time_stepping.records import OPEN, SLIPPING
-from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
-from wroll_fem.dynamics.time_stepping.state import Accumulated, ContactMemory, OpeningRecord, SlipRecord, named_arrays
+from wroll_fem.dynamics.time_stepping.reduced import BLOCK, ReducedStepper
+from wroll_fem.dynamics.time_stepping.state import OpeningRecord, SlipRecord, named_arrays
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.trigonometric.stepper import TrigonometricStepper
 from wroll_fem.typing import FloatArray
 
-LARGER = 1.1
-"""Growth of the energy norm of the motion after which the whole structure is evaluated again."""
+LOOK_EVERY, LARGER = BLOCK, 1.1
+"""Number of steps after which the whole structure may be evaluated again, and growth of the energy norm of the motion
+since the last time from which it is."""
 
 NOTHING = 0.1
 """Friction work, relative to the largest strain energy of the motion, below which it counts as nearly nothing."""
@@ -44,15 +44,12 @@ class SampledStepper(ReducedStepper):
 
     Parameters
     ----------
-    model
-        Reduced model of the whole structure.
-    sample
-        Subset of the contact points.
+    trained
+        Reduced model of the whole structure, and subset of its contact points. While the motion is smaller than the
+        largest one of the training, the errors that stop a run are relative to the latter: the basis, which does not
+        grow, is for this motion and not for its beginning.
     largest_error
         Error estimate above which a run stops with `ReductionError`; not checked by default.
-    expected
-        Squared energy norm of the largest motion that is expected, J. While the motion is smaller, the errors that
-        stop a run are relative to it: the basis, which does not grow, is for this motion and not for its beginning.
 
     Attributes
     ----------
@@ -62,21 +59,19 @@ class SampledStepper(ReducedStepper):
         and of the static answer to what the forces of the subset lack
     """
 
-    check_every = 1
+    block, check_every = 200, 1
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
-        model: ReducedModel, sample: PointSample, largest_error: float = np.inf, expected: float = 0.0,
+        trained: TrainedSubset, largest_error: float = np.inf,
     ):  # fmt: skip
+        model = trained.model
         super().__init__(
             system, preload, scheme, options, dt=dt, largest_error=largest_error, condensation=model.condensation
         )
-        n = system.n_points
-        self.all = self.points
-        none = np.zeros(2 * n), np.zeros(n), np.zeros(1)
-        self.followers = Followers(ContactMemory.of(preload), Accumulated.zeros(n), *none)
-        self.looked, self.training_seconds, self._expected = np.zeros(3), 0.0, expected
-        self.evaluate(EvaluatedPoints.of(system.laws, preload, model.springs, sample))
+        self.all, self.followers = self.points, Followers.of(preload)
+        self.looked, self.training_seconds, self._expected = np.zeros(3), 0.0, trained.largest
+        self.evaluate(EvaluatedPoints.of(system.laws, preload, model.springs, trained.sample))
         self.adopt(model)
 
     @property
@@ -110,40 +105,44 @@ class SampledStepper(ReducedStepper):
         yield "looked", self.looked
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
-        """Advance on the subset, then let all points follow; see `Stepper.try_steps`."""
+        """Advance on the subset, then let all points follow; see `Stepper.try_steps`.
+
+        At every `LOOK_EVERY`-th step the whole structure is evaluated, if the motion has grown since the last time.
+        """
         done = super().try_steps(acceleration, dt, records)
-        motion = self._checked.pop()[:done, : self.model.size]
-        shares = np.zeros((done, 2))
-        turning = self.scheme.exact_modes
-        follow(motion @ self.model.jump.T, self.all.reference, self.all.laws, dt, turning, self.followers, shares)
-        records[:done, OPEN], records[:done, SLIPPING] = shares.T
+        rows, start = self._checked.pop()[:done], 0
+        motion = rows[:, : self.model.size]
+        jumps, squares = self.model.jump @ motion.T, motion**2 @ self.model.eigenvalues
+        turning, ends = self.scheme.exact_modes, np.unique([*range(LOOK_EVERY, done, LOOK_EVERY), done])
+        for end in ends:
+            grown = end > 0 and float(squares[end - 1]) > LARGER**2 * self.looked[0]
+            if grown or end == done:
+                shares = follow(jumps[:, start:end], self.all, dt, self.followers, to_turning_points=turning)
+                records[start:end, OPEN], records[start:end, SLIPPING] = shares.T
+                start = end
+            if grown:
+                self._look(rows[end - 1])
         return done
 
     def _advance_block(self, acceleration: FloatArray, dt: float, time: float) -> FloatArray:
         records = Stepper.advance(self, acceleration, dt, time)
-        self._look()
         self._accept(records, time)
         return records
 
-    def _look(self) -> None:
-        """Evaluate the whole structure with the forces of all points, if the motion has grown since the last time."""
-        motion, values = self.state.motion, self.model.eigenvalues
-        square = float(values @ motion.q**2)
-        if square <= LARGER**2 * self.looked[0]:
-            return
-        every, some = (
-            _correction(contact, points.reference)
-            for contact, points in ((self.followers.contact, self.all), (self.state.contact, self.points))
-        )
-        base = self.base_acceleration.reshape(1)
-        response = self._static_response(motion.a[:, None], motion.v[:, None], every[:, None], base)
+    def _look(self, row: FloatArray) -> None:
+        """Evaluate the whole structure with the forces of all points in a step; ``row``: see `ResidualChecks`."""
+        m, values = self.model.size, self.model.eigenvalues
+        (q, a, v), some, base = row[: 3 * m].reshape(3, m), row[3 * m : -1], row[-1:]
+        contact, every = self.followers.contact, np.zeros_like(self.followers.contact.jump)
+        correction(contact.jump, contact.traction, self.all.reference, every)
+        response = self._static_response(a[:, None], v[:, None], every[:, None], base)
         force = self.model.jump.T @ (self.all.weights * every)
-        inside = force + motion.a + self.model.base * base
+        inside = force + a + self.model.base * base
         if self.model.damping is not None:
-            inside += self.model.damping @ motion.v
+            inside += self.model.damping @ v
         beyond = float(self.model.energy_norm(response)[0] ** 2 - np.sum(inside**2 / values))
         wrong = force - self._interface.force @ some
-        self.looked[:] = np.maximum(self.looked, [square, beyond, np.sum(wrong**2 / values)])
+        self.looked[:] = np.maximum(self.looked, [values @ q**2, beyond, np.sum(wrong**2 / values)])
 
     @property
     def error_estimate(self) -> float:
@@ -178,23 +177,14 @@ class SampledStepper(ReducedStepper):
         }
 
 
-def _correction(contact: ContactMemory, reference: Reference) -> FloatArray:
-    s = np.zeros_like(contact.jump)
-    correction(contact.jump, contact.traction, reference, s)
-    return s
-
-
 class TrigonometricSampledStepper(SampledStepper, TrigonometricStepper):
     """`SampledStepper` whose modes are propagated exactly."""
 
 
 def sampled_stepper(
-    system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float, model: ReducedModel,
-    sample: PointSample, largest_error: float = np.inf, expected: float = 0.0,
+    system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
+    trained: TrainedSubset, largest_error: float = np.inf,
 ) -> SampledStepper:  # fmt: skip
-    """Stepper on the points of ``sample`` for the ``scheme``."""
+    """`SampledStepper` for the ``scheme``."""
     kind = TrigonometricSampledStepper if scheme.exact_modes else SampledStepper
-    return kind(
-        system, preload, scheme, options, dt=dt, model=model, sample=sample, largest_error=largest_error,
-        expected=expected,
-    )  # fmt: skip
+    return kind(system, preload, scheme, options, dt=dt, trained=trained, largest_error=largest_error)

@@ -14,8 +14,9 @@ from wroll_fem.dynamics.periodic.point_sample import Motions, sampled
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.trained_subset import TrainedSubset
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.enrichment import checked_points, trained_response
 from wroll_fem.dynamics.training.structure import Structure
@@ -32,6 +33,13 @@ NEARLY, MOST_POINTS, MOST_VECTORS = 5.0, 250, 100
 """A training stops where a curve after the first one leaves an error above ``NEARLY`` times the tolerance, where its
 curves have more than ``MOST_POINTS`` points, or its basis more than ``MOST_VECTORS`` vectors: layers open widely, or
 the resonance has nearly no damping. The lab roll takes three curves, a hundred points and 50 vectors."""
+
+COMPRESSION = 0.5
+"""Largest change of the motions of the curve, relative to the tolerance, when their principal shapes replace the basis.
+The training adds shapes frequency by frequency, and keeps more of them than these motions need together."""
+
+MODES = 4
+"""Number of modes that stay in the basis: those that the base excites most. A history may contain their free motion."""
 
 
 class _Stopped(Exception):
@@ -67,12 +75,11 @@ def history_points(
     frequencies: tuple[float, float], tolerance: float,
     on_round: Callable[[int, ReducedModel, float], None] | None = None,
     on_point: Callable[[float, int], None] | None = None,
-) -> tuple[ReducedModel, PointSample | None, float]:  # fmt: skip
-    """Reduced model and subset of the contact points for the motions of a response curve, and their largest energy, J.
+) -> TrainedSubset | None:  # fmt: skip
+    """Reduced model and subset of the contact points for the motions of a response curve; None if nothing slips.
 
-    The energy is the squared energy norm of the amplitudes. The subset has both points of each pair with half-period
-    symmetry, since a history has this symmetry at no instant. It is None if nothing slips. Arguments as for
-    `trained_response`.
+    The subset has both points of each pair with half-period symmetry, since a history has this symmetry at no instant.
+    Arguments as for `trained_response`.
 
     Raises
     ------
@@ -90,13 +97,35 @@ def history_points(
         raise _refused(str(stop)) from None
     if found.energy_error > NEARLY * tolerance:
         raise _refused(f"it leaves an error of {100 * found.energy_error:.2g} %")
-    model = found.curve.balance.model
+    model = compressed(found.curve, COMPRESSION * tolerance)
     structure = Structure.of(condensation, preload, laws, Sampling(HARMONICS, SAMPLES), MAX_PERIODS)
     sample = sampled(replace(structure, symmetry=None).contact(model), _motions(found.curve))
-    if sample is not None and not stable(model, EvaluatedPoints.of(laws, preload, model.springs, sample)):
+    if sample is None:
+        return None
+    if not stable(model, EvaluatedPoints.of(laws, preload, model.springs, sample)):
         raise _refused("its subset is unstable where all its points slide")
-    amplitudes = found.curve.coefficients[:, 1:]
-    return model, sample, float(np.einsum("phm,m->p", amplitudes**2, model.eigenvalues).max())
+    squares = found.curve.coefficients[:, 1:] ** 2 * found.curve.balance.model.eigenvalues
+    return TrainedSubset(model, sample, float(squares.sum(axis=(1, 2)).max()))
+
+
+def compressed(curve: HarmonicCurve, tolerance: float) -> ReducedModel:
+    """Model on the principal shapes of the motions of a ``curve``, and on `MODES` modes.
+
+    The shapes leave at most ``tolerance`` of the largest motion, in the energy norm, of every motion.
+    """
+    model = curve.balance.model
+    root = np.sqrt(np.maximum(model.eigenvalues, 0.0))
+    energetic = curve.coefficients * root  # (p, R, m)
+    _, _, shapes = la.svd(energetic.reshape(-1, model.size), full_matrices=False)
+    squares = np.sum((energetic @ shapes.T) ** 2, axis=1)  # of each motion in each shape
+    beyond = np.cumsum(squares[:, ::-1], axis=1)[:, ::-1].max(axis=0)  # from each shape on
+    count = int(np.sum(beyond > tolerance**2 * squares.sum(axis=1).max()))
+    c = model.condensation
+    modes = np.argsort(-np.abs(c.base) / c.eigenvalues)[:MODES]
+    kept = np.zeros((len(c.eigenvalues), len(modes)))
+    kept[modes, np.arange(len(modes))] = 1.0
+    vectors = model.vectors @ (shapes[:count] / root).T
+    return ReducedModel.of_vectors(c, np.column_stack([vectors, kept]))
 
 
 def stable(model: ReducedModel, points: EvaluatedPoints) -> bool:

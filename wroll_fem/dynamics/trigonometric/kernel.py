@@ -163,28 +163,58 @@ def _answer_start(steps, state, q_hat):
 
 
 @numba.njit(cache=True)
-def _commit_answer(steps, modal, force, mean_base, out, state, flows, i):
-    """Advance p of the unresolved mode ``i``; add its work to ``flows``. Returns p and its rate and acceleration.
+def _commit_resolved(steps, modal, force, mean_base, out, state, flows):
+    """Advance the resolved modes, and add their work to ``flows``; the acceleration holds that of d without force."""
+    q, v, a = state.motion.q, state.motion.v, state.motion.a
+    free, before, base, eigenvalues = state.free, state.force, modal.base, modal.eigenvalues
+    resolved, shift, gains = steps.resolved, steps.shift, steps.gain  # outside the loop: numba counts references
+    given, numerical = 0.0, 0.0
+    for i in range(force.shape[0]):
+        if not resolved[i]:
+            continue
+        d, d_new, old, new, gain = free[i], out[0, i], q[i], out[0, i] + shift[i] * force[i], gains[i]
+        change, mean = force[i] - before[i], 0.5 * (force[i] + before[i])
+        given -= mean_base * base[i] * (new - old - d_new + d)
+        numerical += mean * (new - old - gain * (d_new - d)) - gain * change * (0.5 * (d + d_new) - out[2, i])
+        numerical -= 0.5 * eigenvalues[i] * (new * new - old * old - d_new * d_new + d * d)
+        q[i], v[i] = new, out[1, i]
+        a[i] += gain * force[i]
+    flows[INPUT_FLOW] += given
+    flows[NUMERICAL_FLOW] += numerical + given
+
+
+@numba.njit(cache=True)
+def _commit_others(steps, modal, force, mean_base, out, state, flows):
+    """Advance the other modes, d + p, and add the work of p to ``flows``; see `_commit_resolved`.
 
     p follows the implicit midpoint rule with the weight `IMPLICIT` of the end of the step (docs/trigonometric.md).
     """
-    dt, value, rate = steps.dt, steps.eigenvalues[i], steps.rates[i]
-    d, d_rate, f, f_new = state.free[i], state.free_rate[i], state.force[i], force[i]
-    p, p_rate = state.motion.q[i] - d, state.motion.v[i] - d_rate
-    load = (1.0 - IMPLICIT) * state.known[i] + IMPLICIT * f_new
-    mean = steps.mobility[i] * (p_rate + IMPLICIT * dt * (load - value * p))
-    change = dt * (load - rate * mean - value * (p + IMPLICIT * dt * mean))
-    p_new, p_rate_new = p + dt * mean, p_rate + change
-    d_new, d_rate_new = out[0, i], out[1, i]
-    moved, free_moved = p_new - p, d_new - d
-    numerical = (0.5 * (f + f_new) - load) * moved + (IMPLICIT - 0.5) * (change * change + value * moved * moved)
-    numerical += (0.5 * (f + f_new) - 2.0 * rate * mean) * free_moved  # p and d together
-    numerical -= d_rate_new * p_rate_new - d_rate * p_rate + value * (d_new * p_new - d * p)
-    given = -mean_base * modal.base[i] * moved
+    q, v, a = state.motion.q, state.motion.v, state.motion.a
+    free, free_rate, before, known, base = state.free, state.free_rate, state.force, state.known, modal.base
+    resolved, eigenvalues, rates, mobility = steps.resolved, steps.eigenvalues, steps.rates, steps.mobility
+    dt, given, total, viscous = steps.dt, 0.0, 0.0, 0.0
+    for i in range(force.shape[0]):
+        if resolved[i]:
+            continue
+        value, rate, f, f_new = eigenvalues[i], rates[i], before[i], force[i]
+        d, d_rate, d_new, d_rate_new = free[i], free_rate[i], out[0, i], out[1, i]
+        p, p_rate = q[i] - d, v[i] - d_rate
+        load = (1.0 - IMPLICIT) * known[i] + IMPLICIT * f_new
+        mean = mobility[i] * (p_rate + IMPLICIT * dt * (load - value * p))
+        change = dt * (load - rate * mean - value * (p + IMPLICIT * dt * mean))
+        p_new, p_rate_new = p + dt * mean, p_rate + change
+        moved, free_moved = p_new - p, d_new - d
+        numerical = (0.5 * (f + f_new) - load) * moved + (IMPLICIT - 0.5) * (change * change + value * moved * moved)
+        numerical += (0.5 * (f + f_new) - 2.0 * rate * mean) * free_moved  # p and d together
+        numerical -= d_rate_new * p_rate_new - d_rate * p_rate + value * (d_new * p_new - d * p)
+        given -= mean_base * base[i] * moved
+        total += numerical
+        viscous += rate * mean * (dt * mean + 2.0 * free_moved)
+        q[i], v[i] = d_new + p_new, d_rate_new + p_rate_new
+        a[i] += change / dt
     flows[INPUT_FLOW] += given
-    flows[NUMERICAL_FLOW] += numerical + given
-    flows[VISCOUS_FLOW] += rate * mean * (dt * mean + 2.0 * free_moved)
-    return p_new, p_rate_new, change / dt
+    flows[NUMERICAL_FLOW] += total + given
+    flows[VISCOUS_FLOW] += viscous
 
 
 @numba.njit(cache=True)
@@ -197,28 +227,15 @@ def _commit_motion(nodes, steps, modal, force, out, state, flows):
     force : (m,) force of friction's correction at the end of the step
     out : (OUTPUTS, m) results of the step
     """
-    motion, free = state.motion, state.free
+    motion = state.motion
     _work_of_nodes(nodes, steps, modal, state.free_rate, out, flows)
     mean_base = 0.5 * (nodes[0] + nodes[LAST])
     motion.a[:] = -modal.base * nodes[LAST] - modal.eigenvalues * out[0]
     if damped(modal.dashpots):
         motion.a[:] -= viscous_force(modal.dashpots, out[1])
-    for i in range(force.shape[0]):
-        if steps.resolved[i]:
-            d, d_new, q, q_new = free[i], out[0, i], motion.q[i], out[0, i] + steps.shift[i] * force[i]
-            change, mean, gain = force[i] - state.force[i], 0.5 * (force[i] + state.force[i]), steps.gain[i]
-            given = -mean_base * modal.base[i] * (q_new - q - d_new + d)
-            numerical = mean * (q_new - q - gain * (d_new - d)) - gain * change * (0.5 * (d + d_new) - out[2, i])
-            numerical -= 0.5 * modal.eigenvalues[i] * (q_new * q_new - q * q - d_new * d_new + d * d)
-            flows[INPUT_FLOW] += given
-            flows[NUMERICAL_FLOW] += numerical + given
-            motion.q[i], motion.v[i] = q_new, out[1, i]
-            motion.a[i] += gain * force[i]
-        else:
-            p, rate, acceleration = _commit_answer(steps, modal, force, mean_base, out, state, flows, i)
-            motion.q[i], motion.v[i] = out[0, i] + p, out[1, i] + rate
-            motion.a[i] += acceleration
-    free[:] = out[0]
+    _commit_resolved(steps, modal, force, mean_base, out, state, flows)
+    _commit_others(steps, modal, force, mean_base, out, state, flows)
+    state.free[:] = out[0]
     state.free_rate[:] = out[1]
     state.force_earlier[:] = state.force_before
     state.force_before[:] = state.force
