@@ -39,7 +39,7 @@ ALL_POINTS = 20
 """Number of iterations after which all points are included."""
 NEGLIGIBLE = np.float32(1e-12)
 """Entries of Newton's matrix, whose diagonal is near 1, that are replaced by zero. Entries that symmetry makes zero are
-1e-40 by rounding, and such subnormal numbers make LU factors seven times slower on some processors."""
+1e-40 by rounding, and such subnormal numbers make LU factors three times slower on some processors."""
 SHORTEST = 0.3
 """Damping factor below which a step with a new matrix is taken even if it does not reduce the residual; a shorter one
 only delays the change of the points' states."""
