@@ -65,6 +65,11 @@ def contact_dofs(n: int) -> IntArray:
     return np.column_stack([2 * k, 2 * k + 1, 2 * n + k])
 
 
+def dofs_of(points: IntArray, n: int) -> IntArray:
+    """(3 a,) contact degrees of freedom of a ``points`` among ``n``: tangential ones first, as for all points."""
+    return np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * n + points])
+
+
 def normals(values: FloatArray) -> FloatArray:
     """(n, ...) view of the normal components in an array (3 n, ...) with one row per contact degree of freedom."""
     return values[2 * (len(values) // 3) :]

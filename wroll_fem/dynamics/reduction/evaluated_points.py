@@ -9,7 +9,7 @@ import numpy as np
 
 from wroll_fem.contact.kernels import Reference
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.contact.point import per_dof
+from wroll_fem.contact.point import dofs_of, per_dof
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.typing import FloatArray, IntArray
 
@@ -67,8 +67,3 @@ class EvaluatedPoints:
     def n(self) -> int:
         """Number of evaluated points."""
         return self.laws.n
-
-
-def dofs_of(points: IntArray, n: int) -> IntArray:
-    """(3 a,) contact degrees of freedom of a ``points`` among ``n``: hoop and axial of each point, then the normals."""
-    return np.concatenate([(2 * points[:, None] + np.arange(2)).ravel(), 2 * n + points])

@@ -15,8 +15,8 @@ import numpy as np
 from wroll_fem.contact import kernels, point
 from wroll_fem.contact.kernels import trial_traction
 from wroll_fem.contact.laws import slip_update
-from wroll_fem.contact.point import axial, hoop, is_closed, normal, penalty_traction, pressure, stick_stiffness
-from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, dofs_of
+from wroll_fem.contact.point import axial, dofs_of, hoop, is_closed, normal, penalty_traction, pressure, stick_stiffness
+from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.time_stepping import reduced_kernel
 from wroll_fem.dynamics.time_stepping.reduced_kernel import Trial, commit_contact
@@ -116,6 +116,7 @@ def _put(part: Followers, followers: Followers, points: IntArray, dofs: IntArray
 @numba.njit(cache=True)
 def _record_peak(hoops, axials, k, slip):
     """Update the largest tangential displacement of the point ``k`` with those of its steps, (k,) each."""
+    # a function of its own: in a loop with an inlined law numba has lost the maximum
     squares = hoops * hoops + axials * axials
     at = np.argmax(squares)
     if math.sqrt(squares[at]) > slip.peak[k]:

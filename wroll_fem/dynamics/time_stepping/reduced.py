@@ -31,7 +31,7 @@ from wroll_fem.dynamics.reduction.error_estimate import estimate
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.modal_step import modal_step
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, modal_force
-from wroll_fem.dynamics.reduction.stuck_modes import modes_to_reduce
+from wroll_fem.dynamics.reduction.stuck_modes import modes_to_reduce, most_excited
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit, open_fraction, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -144,11 +144,8 @@ class ReducedStepper(Stepper):
             return ReducedModel.complete(c)
         if c.eigenvalues.min() <= 0.0:  # no static response; rounding decides about the sign of a floating part
             self._check_held(0.0)
-        participation = np.abs(c.base) / c.eigenvalues
-        modes = np.argsort(-participation)[:START_MODES]
-        unit = np.zeros((len(c.eigenvalues), START_MODES))
-        unit[modes, np.arange(START_MODES)] = 1.0
-        return ReducedModel.of_vectors(c, np.column_stack([c.base / c.eigenvalues, c.tip / c.eigenvalues, unit]))
+        static = c.base / c.eigenvalues, c.tip / c.eigenvalues
+        return ReducedModel.of_vectors(c, np.column_stack([*static, most_excited(c, START_MODES)]))
 
     def _check_held(self, time: float) -> None:
         """Raise a ReductionError if a part of the structure is unrestrained."""

@@ -16,6 +16,7 @@ from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.stuck_modes import most_excited
 from wroll_fem.dynamics.reduction.trained_subset import TrainedSubset
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.training.enrichment import checked_points, trained_response
@@ -114,18 +115,15 @@ def compressed(curve: HarmonicCurve, tolerance: float) -> ReducedModel:
     The shapes leave at most ``tolerance`` of the largest motion, in the energy norm, of every motion.
     """
     model = curve.balance.model
-    root = np.sqrt(np.maximum(model.eigenvalues, 0.0))
+    root = np.sqrt(model.eigenvalues)  # positive: the interfaces stick and hold the structure
     energetic = curve.coefficients * root  # (p, R, m)
     _, _, shapes = la.svd(energetic.reshape(-1, model.size), full_matrices=False)
     squares = np.sum((energetic @ shapes.T) ** 2, axis=1)  # of each motion in each shape
     beyond = np.cumsum(squares[:, ::-1], axis=1)[:, ::-1].max(axis=0)  # from each shape on
     count = int(np.sum(beyond > tolerance**2 * squares.sum(axis=1).max()))
-    c = model.condensation
-    modes = np.argsort(-np.abs(c.base) / c.eigenvalues)[:MODES]
-    kept = np.zeros((len(c.eigenvalues), len(modes)))
-    kept[modes, np.arange(len(modes))] = 1.0
     vectors = model.vectors @ (shapes[:count] / root).T
-    return ReducedModel.of_vectors(c, np.column_stack([vectors, kept]))
+    modes = most_excited(model.condensation, MODES)
+    return ReducedModel.of_vectors(model.condensation, np.column_stack([vectors, modes]))
 
 
 def stable(model: ReducedModel, points: EvaluatedPoints) -> bool:
