@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,10 @@ class Circle:
     def jacobian(self, z: FloatArray) -> FloatArray:
         self.jacobians += 1
         return np.array([[3.0, -1.0, 0.0], [0.0, 2.0 * z[1], 2.0 * z[2]]])
+
+    def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        matrix = self.jacobian(z)
+        return lambda v: matrix @ v
 
     def describe(self, z: FloatArray) -> str:
         return str(z)

@@ -23,21 +23,45 @@ def test_gmres_solves_for_arrays_to_its_tolerance(matrix: FloatArray) -> None:
         return (matrix @ z.ravel()).reshape(z.shape)
 
     exact = np.linalg.solve(matrix, b.ravel()).reshape(b.shape)
-    np.testing.assert_allclose(gmres(apply, b, tolerance=1e-12, iterations=60), exact, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(gmres(apply, b, tolerance=1e-12, iterations=60).solution, exact, rtol=0, atol=1e-10)
     loose = gmres(apply, b, tolerance=1e-2, iterations=60)
-    assert 1e-6 < np.linalg.norm(apply(loose) - b) / np.linalg.norm(b) <= 1e-2
+    left = np.linalg.norm(apply(loose.solution) - b) / np.linalg.norm(b)
+    assert 1e-6 < left <= 1e-2
+    assert loose.residual == pytest.approx(left, rel=1e-6)
 
 
 def test_gmres_minimises_the_residual_over_the_krylov_space(matrix: FloatArray) -> None:
     b = np.random.default_rng(2).normal(size=60)
     space = np.column_stack([b, matrix @ b, matrix @ (matrix @ b)])
     best = space @ np.linalg.lstsq(matrix @ space, b, rcond=None)[0]
-    found = gmres(lambda z: matrix @ z, b, tolerance=1e-14, iterations=3)
+    found = gmres(lambda z: matrix @ z, b, tolerance=1e-14, iterations=3).solution
     np.testing.assert_allclose(found, best, rtol=0, atol=1e-12)
 
 
 def test_gmres_of_a_zero_right_side_is_zero() -> None:
-    np.testing.assert_array_equal(gmres(lambda z: 2.0 * z, np.zeros((4, 2)), tolerance=1e-3, iterations=5), 0.0)
+    found = gmres(lambda z: 2.0 * z, np.zeros((4, 2)), tolerance=1e-3, iterations=5)
+    np.testing.assert_array_equal(found.solution, np.zeros((4, 2)))
+    assert found.residual == 0.0
+
+
+def test_the_projected_map_has_the_outlying_eigenvalue(matrix: FloatArray) -> None:
+    shifted = matrix - 3.0 * np.outer(*np.eye(60)[[0, 0]])
+    negative = np.linalg.eigvals(shifted).real.min()
+    found = gmres(lambda z: shifted @ z, np.ones(60), tolerance=1e-6, iterations=40)
+    assert negative < -1.0
+    assert np.linalg.eigvals(found.projected).real.min() == pytest.approx(negative, rel=1e-4)
+
+
+def test_gmres_ends_with_a_finite_solution_where_the_map_is_not(matrix: FloatArray) -> None:
+    calls = []
+
+    def apply(z: FloatArray) -> FloatArray:
+        calls.append(1)
+        return matrix @ z if len(calls) < 3 else np.full(60, np.nan)
+
+    found = gmres(apply, np.ones(60), tolerance=1e-9, iterations=10)
+    assert np.isfinite(found.solution).all()
+    assert 1e-9 < found.residual < 1.0
 
 
 def test_the_residual_never_grows_even_where_the_map_is_nearly_singular() -> None:
@@ -45,5 +69,5 @@ def test_the_residual_never_grows_even_where_the_map_is_nearly_singular() -> Non
     rng = np.random.default_rng(1)
     matrix = np.eye(150) + 1e13 * rng.normal(size=(150, 4)) @ rng.normal(size=(4, 150))
     b = rng.normal(size=150)
-    found = gmres(lambda z: matrix @ z, b, tolerance=1e-3, iterations=80)
+    found = gmres(lambda z: matrix @ z, b, tolerance=1e-3, iterations=80).solution
     assert np.linalg.norm(matrix @ found - b) < np.linalg.norm(b)

@@ -13,30 +13,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg as la
 
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.numerics.bordered import Bordered, CurveProblem, newton_step, tangent_at
 from wroll_fem.numerics.newton import CHORD_RENEWAL
 from wroll_fem.typing import FloatArray
-
-
-class CurveProblem(Protocol):
-    """Equations F(z) = 0 of a curve of solutions z (n + 1,); the last entry of z is the curve parameter."""
-
-    def residual(self, z: FloatArray) -> FloatArray:
-        """Residual F (n,)."""
-        ...
-
-    def jacobian(self, z: FloatArray) -> np.ndarray:
-        """Jacobian dF/dz (n, n + 1), in single precision if this is enough for Newton's method."""
-        ...
-
-    def describe(self, z: FloatArray) -> str:
-        """Text that names the position ``z`` on the curve, for messages."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -114,29 +98,6 @@ LEAST_STEP = 0.05
 """Damping factor at or below which a Newton step is taken even if it does not reduce the residual."""
 
 
-class _Bordered:
-    """LU factors of the square matrix that consists of the Jacobian and one additional row."""
-
-    def __init__(self, jacobian: np.ndarray, row: FloatArray):
-        # the transpose is the column-major array that LAPACK works on in place
-        matrix = np.vstack([jacobian, row.astype(jacobian.dtype)])
-        getrf, self._getrs = la.get_lapack_funcs(("getrf", "getrs"), (matrix,))
-        lu, pivots, _ = getrf(matrix.T, overwrite_a=True)  # a singular matrix shows in steps that are not finite
-        self.factor = lu, pivots
-
-    def solve(self, rhs: FloatArray) -> FloatArray:
-        """Solution in double precision; its error is that of the factors, which may be single."""
-        lu, pivots = self.factor
-        return np.asarray(self._getrs(lu, pivots, rhs.astype(lu.dtype), trans=1)[0], dtype=float)
-
-    @property
-    def sign(self) -> float:
-        """Sign of the determinant."""
-        lu, pivots = self.factor
-        swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
-        return float(np.prod(np.sign(np.diag(lu))) * (-1.0) ** swaps)
-
-
 class Corrected(NamedTuple):
     """Result of the corrector.
 
@@ -151,7 +112,7 @@ class Corrected(NamedTuple):
     z: FloatArray | None
     history: list[float]
     near: FloatArray
-    factor: _Bordered | None
+    factor: Bordered | None
 
 
 def correct(
@@ -160,12 +121,13 @@ def correct(
     row: FloatArray,
     control: StepControl,
     *,
-    kept: _Bordered | None = None,
+    kept: Bordered | None = None,
+    chord: bool = True,
 ) -> Corrected:
     """Solve F(z) = 0 and row . (z - start) = 0 by Newton's method with Broyden updates between factorisations.
 
     The LU factors are reused while the residual decreases fast. Until the next factorisation each full step updates
-    them by Broyden's method.
+    them by Broyden's method. With many unknowns, Newton steps are solved by GMRES with older factors (`bordered`).
 
     Parameters
     ----------
@@ -178,8 +140,10 @@ def correct(
     control
         Tolerance and largest number of iterations.
     kept
-        LU factors of an earlier point, used first. Until the next factorisation, the plane of these factors replaces
-        the plane of ``row``.
+        LU factors of an earlier point.
+    chord
+        Whether the first steps are solved with the ``kept`` factors alone. The plane of these factors then replaces the
+        plane of ``row``.
 
     References
     ----------
@@ -187,24 +151,26 @@ def correct(
     """
     history: list[float] = []
     steps: list[FloatArray] = []
-    factor, fresh = kept, False
+    factors, chord, fresh = kept, chord and kept is not None, False
     residual = problem.residual(z)
     norm = float(np.linalg.norm(residual))
     for _ in range(control.max_iterations):
-        if factor is None:
-            factor, fresh, steps = _Bordered(problem.jacobian(z), row), True, []
-        step = _updated(-factor.solve(np.append(residual, 0.0)), steps)
+        if chord and factors is not None:
+            step = _updated(-factors.solve(np.append(residual, 0.0)), steps)
+        else:
+            step, factors, chord = newton_step(problem, z, row, residual, factors)
+            fresh, steps = True, []
         size = float(np.linalg.norm(step))
         history.append(size)
         if not np.isfinite(size):
             return Corrected(None, history, z, None)
         if size <= control.tolerance:
-            return Corrected(z + step, history, z, factor)
+            return Corrected(z + step, history, z, factors)
         trial = problem.residual(z + step)
         new, stretch = float(np.linalg.norm(trial)), 1.0
         # slip, stick and opening make F piecewise smooth: a kept Jacobian may point elsewhere, full steps may alternate
         if not new < norm and not fresh:
-            factor = None
+            chord = False
             continue
         while stretch > LEAST_STEP and not new < norm:
             stretch *= 0.5
@@ -212,8 +178,7 @@ def correct(
             new = float(np.linalg.norm(trial))
         z, residual = z + stretch * step, trial
         steps.append(step)
-        if new > CHORD_RENEWAL * norm or stretch < 1.0:
-            factor = None
+        chord = chord and new <= CHORD_RENEWAL * norm and stretch == 1.0
         norm, fresh = new, False
     return Corrected(None, history, z, None)
 
@@ -255,10 +220,10 @@ def point_near(
 
     ``row`` gives the direction of the curve. ``regular`` is the flag of the neighbouring point.
     """
-    solution, history, near, _ = correct(problem, z, row, control)
+    solution, history, near, factors = correct(problem, z, row, control)
     if solution is None:
         return None
-    return CurvePoint(solution, _tangent(problem, near, row)[0], len(history), regular)
+    return CurvePoint(solution, tangent_at(problem, near, row, factors)[0], len(history), regular)
 
 
 def follow(
@@ -297,7 +262,7 @@ def follow(
     direction = 1.0 if end >= start[-1] else -1.0
     border = np.zeros(len(start))
     border[-1] = direction
-    tangent, factor, sign = _tangent(problem, start, border)
+    tangent, factor, sign = tangent_at(problem, start, border, None)
     points = [CurvePoint(start, tangent, 0, True)]
     step, leaps = control.first, list(LEAPS)
     history: list[float] = []
@@ -313,7 +278,7 @@ def follow(
         found = _next(problem, last, step, end, border, factor, control)
         history = found.history
         if found.z is not None:
-            tangent, factor, new_sign = _tangent(problem, found.near, last.tangent)
+            tangent, factor, new_sign = tangent_at(problem, found.near, last.tangent, found.factor)
             turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
             strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
@@ -324,7 +289,7 @@ def follow(
                 if what := _lost(points, direction, long, control):
                     raise _with_points(_stalled(what, problem.describe(found.z), history), points)
                 continue
-            tangent, factor, _ = _tangent(problem, last.z, last.tangent)
+            tangent, factor, _ = tangent_at(problem, last.z, last.tangent, factor)
         step *= 0.4
         if step < control.smallest or len(leaps) < len(LEAPS):
             # at a kink small steps may fail where a longer step passes over it
@@ -336,7 +301,7 @@ def follow(
 
 
 def _next(
-    problem: CurveProblem, last: CurvePoint, step: float, end: float, border: FloatArray, factor: _Bordered | None,
+    problem: CurveProblem, last: CurvePoint, step: float, end: float, border: FloatArray, factor: Bordered | None,
     control: StepControl,
 ) -> Corrected:  # fmt: skip
     """Point one ``step`` behind the ``last`` one, or the point at ``end`` if the step reaches it."""
@@ -363,18 +328,6 @@ def _creeps(points: list[CurvePoint], size: float) -> bool:
     """Whether the last points of a curve hardly advance (`CREEPING`); ``size`` is the length of a long step."""
     count, least = CREEPING
     return len(points) > count and float(np.linalg.norm(points[-1].z - points[-1 - count].z)) < least * size
-
-
-def _tangent(problem: CurveProblem, z: FloatArray, before: FloatArray) -> tuple[FloatArray, _Bordered, float]:
-    """Unit tangent (n + 1,), LU factors of the bordered Jacobian, and sign of its determinant.
-
-    The scalar product of the tangent and ``before`` is positive.
-    """
-    factor = _Bordered(problem.jacobian(z), before)
-    rhs = np.zeros(len(z))
-    rhs[-1] = 1.0
-    tangent = factor.solve(rhs)
-    return tangent / np.linalg.norm(tangent), factor, factor.sign
 
 
 def _stalled(what: str, where: str, history: list[float]) -> ConvergenceError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,18 @@ ENOUGH = 0.5
 repeated once."""
 
 
-def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> FloatArray:
+class Solved(NamedTuple):
+    """Solution by GMRES, its residual relative to the right-hand side, and the map in the basis of the k iterations.
+
+    The eigenvalues of ``projected`` (k, k) approximate those eigenvalues of the map that the solution depends on.
+    """
+
+    solution: FloatArray
+    residual: float
+    projected: FloatArray
+
+
+def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> Solved:
     """Solve ``apply(z) = b`` by GMRES without restart.
 
     A Krylov vector is orthogonalised a second time if the first orthogonalisation removes most of it. The small problem
@@ -28,12 +40,8 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     tolerance
         Norm of the residual, relative to the norm of ``b``, at or below which the iteration ends.
     iterations
-        Largest number of iterations. The last iterate is returned whatever its residual.
-
-    Returns
-    -------
-    numpy.ndarray
-        Solution z, in the shape of ``b``.
+        Largest number of iterations. The last iterate is returned whatever its residual; so is the one before an
+        iteration that is not finite.
 
     References
     ----------
@@ -41,7 +49,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     """
     size = float(np.linalg.norm(b))
     if size == 0.0:  # also for a structure without interfaces
-        return np.zeros_like(b)
+        return Solved(np.zeros_like(b), 0.0, np.zeros((0, 0)))
     space = np.empty((iterations + 1, b.size))
     space[0] = b.ravel() / size
     matrix = np.zeros((iterations + 1, iterations))
@@ -58,6 +66,8 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
             rest = float(np.linalg.norm(w))
             if rest > ENOUGH * before:
                 break
+        if not np.isfinite(rest):  # the solution so far is finite
+            break
         matrix[count + 1, count] = rest
         triangle[: count + 1] = matrix[: count + 1, count]
         for k, (c, s) in enumerate(turns):
@@ -72,4 +82,5 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     target = np.zeros(count + 1)
     target[0] = size
     weights = np.linalg.lstsq(matrix[: count + 1, :count], target, rcond=None)[0]
-    return np.asarray(weights @ space[:count]).reshape(b.shape)
+    solution = np.asarray(weights @ space[:count]).reshape(b.shape)
+    return Solved(solution, left / size, matrix[:count, :count])

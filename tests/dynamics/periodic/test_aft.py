@@ -80,6 +80,10 @@ def test_reduced_jacobian_is_that_of_central_differences(law: str) -> None:
     ends = [problem.residual(q, frequency * (1 + h))[0].ravel() for h in (1e-6, -1e-6)]
     difference = (ends[0] - ends[1]) / (2e-6 * frequency)
     np.testing.assert_allclose(by_frequency, difference, atol=1e-7 * np.abs(by_frequency).max())
+    product, as_map = problem.derivative(q, frequency, contact, threshold=0.0)
+    columns = [product(one.reshape(q.shape)).ravel() for one in np.eye(q.size)]
+    np.testing.assert_allclose(np.column_stack(columns), matrix, atol=1e-12 * np.abs(matrix).max())
+    np.testing.assert_allclose(as_map.ravel(), by_frequency, atol=1e-12 * np.abs(by_frequency).max())
 
 
 def test_a_memory_that_does_not_settle_is_reported() -> None:

@@ -11,7 +11,7 @@ from support.exact_systems import coulomb_oscillator, slipping_pair
 from support.periodic import TURN, balance, complete, small_roll, trained_roll
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.backbone import ModalMotion, main_mode, solve_backbone
+from wroll_fem.dynamics.periodic.backbone import ModalMotion, solve_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training.enrichment import _BackboneTask, trained_backbone
@@ -44,7 +44,7 @@ def test_backbone_of_the_bilinear_oscillator_follows_its_loop_area() -> None:
 def test_backbone_jacobian_is_that_of_central_differences() -> None:
     system = dataclasses.replace(slipping_pair(gamma=2e-4), damping=sp.csr_matrix(np.diag([3.0, 1.0, 2.0])))
     contact = balance(system, 0.0).contact
-    problem = ModalMotion(HarmonicBalance(contact, 0.0), main_mode(contact.model), (1e-4, 1e-3))
+    problem = ModalMotion(HarmonicBalance(contact, 0.0), contact.model.main_mode, (1e-4, 1e-3))
     z = problem.start() + 0.02 * np.random.default_rng(2).standard_normal(len(problem.start()))
     matrix = problem.jacobian(z)
     # the phase condition and the norm included; the points' threshold only leaves out points that stick

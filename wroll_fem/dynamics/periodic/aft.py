@@ -227,7 +227,7 @@ class HarmonicContact:
         return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
     @cached_property
-    def _newton_operators(self) -> tuple[np.ndarray, np.ndarray]:
+    def newton_operators(self) -> tuple[np.ndarray, np.ndarray]:
         """`force_operator` and `jump` in the precision of Newton's matrix."""
         precision = np.float32 if len(self.active) >= SINGLE else np.float64
         return self.force_operator.astype(precision, copy=False), self.jump.astype(precision, copy=False)
@@ -309,8 +309,8 @@ class HarmonicContact:
         )  # fmt: skip
         return points, blocks, by_frequency
 
-    def _sampled_blocks(self, contact: PeriodicContact, threshold: float) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        """`point_blocks` at the points of the subset `tangent`, multiplied by its factors; of all points without it."""
+    def weighted_blocks(self, contact: PeriodicContact, threshold: float) -> tuple[np.ndarray, FloatArray, FloatArray]:
+        """`point_blocks` for Newton's matrix: of the subset `tangent`, multiplied by its factors, or of all points."""
         if self.tangent is None:
             return self.point_blocks(contact, threshold=threshold)
         points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold, among=self.tangent.points)
@@ -328,8 +328,8 @@ class HarmonicContact:
         Unknowns and equations are in the order of `active`. From `SINGLE` unknowns on the matrix has single precision.
         """
         size, count = self.sampling.size, len(self.active)
-        points, blocks, by_frequency = self._sampled_blocks(contact, threshold)
-        operator, jumps = self._newton_operators
+        points, blocks, by_frequency = self.weighted_blocks(contact, threshold)
+        operator, jumps = self.newton_operators
         precision = operator.dtype
         matrix, by_log = np.zeros((count, count), precision), np.zeros((size, self.model.size))
         if len(points) == 0:
@@ -361,13 +361,23 @@ class HarmonicContact:
         """
         if contact.shift == 0.0:
             return
-        by_angle = matrix @ self._turn(coefficients).astype(matrix.dtype) - self._turn(self.force(contact))
-        by_motion = np.zeros((self.sampling.size, self.model.size))
-        by_motion[1:3] = phase_slope(*self._fundamental(self.motion(coefficients))) @ self.jump[: 2 * self.n]
-        matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.ravel()[self.active].astype(matrix.dtype))
+        turned = self._active_turn(coefficients).astype(matrix.dtype)
+        by_angle = matrix @ turned - self._active_turn(self.force(contact))
+        by_motion = self.shift_slope(coefficients).ravel()[self.active]
+        matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.astype(matrix.dtype))
 
-    def _turn(self, coefficients: FloatArray) -> FloatArray:
-        """(k,) derivative of coefficients (R, m) with respect to the angle by which the samples are shifted."""
+    def shift_slope(self, coefficients: FloatArray) -> FloatArray:
+        """(R, m) derivative of the angle of the `shift` with respect to the coefficients (R, m) of the motion."""
+        out = np.zeros((self.sampling.size, self.model.size))
+        out[1:3] = phase_slope(*self._fundamental(self.motion(coefficients))) @ self.jump[: 2 * self.n]
+        return out
+
+    def turn(self, coefficients: FloatArray) -> FloatArray:
+        """(R, m) derivative of coefficients (R, m) with respect to the angle by which the samples are shifted."""
         out, orders = np.zeros_like(coefficients), self.sampling.orders[1::2, None]
         out[1::2], out[2::2] = orders * coefficients[2::2], -orders * coefficients[1::2]
-        return np.asarray(out.ravel()[self.active])
+        return out
+
+    def _active_turn(self, coefficients: FloatArray) -> FloatArray:
+        """(k,) `turn` in the order of `active`."""
+        return np.asarray(self.turn(coefficients).ravel()[self.active])

@@ -24,8 +24,8 @@ import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.contact.point import normals
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact, PeriodicContact
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, ScaledMotions
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
@@ -39,34 +39,25 @@ FREQUENCY_UNIT, DAMPING_UNIT = 0.2, 0.05
 """Units of two scaled unknowns: change of the frequency relative to the natural frequency, and damping ratio."""
 
 BACKBONE_STEPS = StepControl(largest=0.15, usual=5.0, max_points=300)
-"""Step control along a backbone. Its steps are short, because its end is found to within a step. A smooth backbone has
-about 80 points. The limit ``max_points`` stops a curve that would pass from one internal resonance to the next without
-end."""
+"""Step control along a backbone; steps are short, because its end is found to within a step. A smooth backbone has
+about 80 points. ``max_points`` stops a curve that would pass from one internal resonance to the next without end."""
 
 LARGEST_STRAY = 0.5
-"""Limit for the norm of the mean displacement and for the norm of the higher harmonics, each relative to the norm of
-the motion. If either norm exceeds the limit, the motion no longer belongs to the mode. A mean displacement is ignored
-if its energy does not exceed the energy stored in the contact when every point is about to slip. Such a mean
-displacement remains after points that the preload leaves at the slip limit slip once, by about the amplitude, and then
-stick."""
+"""Limit for the norms of the mean displacement and of the higher harmonics, each relative to the norm of the motion.
+Beyond it the motion no longer belongs to the mode. A mean displacement is ignored if its energy does not exceed the
+energy stored in the contact when every point is about to slip: points that the preload leaves at the slip limit slip
+once, by about the amplitude, and then stick."""
 
 NEAR_END = float(np.log(0.95))
-"""Logarithm of 0.95. A backbone that cannot be followed to its end is cut at 0.95 times the largest amplitude
-computed."""
+"""Logarithm of the largest amplitude kept of a backbone that cannot be followed to its end, relative to the largest."""
 
 
-def main_mode(model: ReducedModel) -> int:
-    """Index of the mode with the largest static tip displacement per unit base acceleration."""
-    return int(np.argmax(np.abs(model.base * model.tip) / np.maximum(model.eigenvalues, 1e-300)))
-
-
-class ModalMotion:
+class ModalMotion(ScaledMotions):
     """Nonlinear mode as a `CurveProblem`; unknowns: scaled shape (R, m), frequency, damping ratio, ln(amplitude)."""
 
     def __init__(self, balance: HarmonicBalance, mode: int, amplitudes: tuple[float, float]):
-        self.balance, self.mode = balance, mode
-        model = balance.model
-        self.shape, self.active = (len(balance.orders), model.size), balance.contact.active
+        super().__init__(balance)
+        self.mode, model = mode, balance.model
         self.natural = float(np.sqrt(model.eigenvalues[mode]))
         self.root = np.sqrt(np.maximum(model.eigenvalues, 0.0) + self.natural**2)
         self.unit = float(self.root[mode])
@@ -75,7 +66,6 @@ class ModalMotion:
         contact = balance.contact
         pressure = np.maximum(-normals(contact.reference.traction), 0.0)
         self.held = float(np.sqrt(2.0 * contact_energy_limit(contact.laws, pressure)))
-        self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float, float, float]:
         """Shape (R, m), frequency (rad/s), damping ratio and amplitude (kg^(1/2) m) from scaled unknowns (n + 1,)."""
@@ -90,9 +80,7 @@ class ModalMotion:
 
     def unpacked(self, y: FloatArray) -> FloatArray:
         """(R, m) shape from its scaled unknowns."""
-        out = np.zeros(self.shape)
-        out.ravel()[self.active] = y
-        return out * self.unit / self.root
+        return self.placed(y) * self.unit / self.root
 
     def scaled(self, shape: FloatArray, frequency: float, damping: float, amplitude: float) -> FloatArray:
         """(n + 1,) scaled unknowns; ``frequency`` in rad/s, ``amplitude`` in kg^(1/2) m."""
@@ -120,39 +108,53 @@ class ModalMotion:
 
     def jacobian(self, z: FloatArray) -> np.ndarray:
         """See `CurveProblem`."""
-        shape, frequency, damping, amplitude = self.motion(z)
-        if self._seen is None or not np.array_equal(self._seen[0], z):
-            self.residual(z)
-        assert self._seen is not None
-        contact, balance = self._seen[1], self.balance
-        size, m = self.shape
-        active, count = self.active, len(self.active)
-        matrix, by_frequency = balance.jacobian(amplitude * shape, frequency, contact)
-        speed = balance.velocity(shape, frequency)
-        force = balance.linear(shape, frequency) + balance.contact.force(contact) / amplitude
-        by_amplitude = matrix @ shape.ravel()[active] - force.ravel()[active]
-        place = np.full(size * m, -1)
-        place[active] = np.arange(count)
-        place = place.reshape(size, m)
+        (shape, frequency, damping, amplitude), (size, m) = self.motion(z), self.shape
+        balance, active = self.balance, self.active
+        matrix, by_frequency = balance.jacobian(amplitude * shape, frequency, self.contact(z))
+        order, last = active // m, self._last_columns(z, matrix @ shape.ravel()[active], by_frequency)
         for k in range(1, size, 2):
             gain = 2.0 * damping * frequency * balance.orders[k] * frequency
-            cos, sin = (row[row >= 0] for row in (place[k], place[k + 1]))
+            cos, sin = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
             matrix[cos, sin] -= gain
             matrix[sin, cos] += gain
-        out = np.zeros((count + 2, count + 3), matrix.dtype)
-        root, drive = np.tile(self.root, size)[active], speed.ravel()[active]
+        out, root = np.zeros((len(active) + 2, len(active) + 3), matrix.dtype), np.tile(self.root, size)[active]
         np.multiply(matrix, 1.0 / root, out=out[:-2, :-3], casting="same_kind")
         out[:-2, :-3] *= (1.0 / root)[:, None]
-        rows = 1.0 / (root * self.unit)
-        by_frequency = by_frequency / amplitude - 4.0 * damping * drive
-        out[:-2, -3] = rows * by_frequency * self.natural * FREQUENCY_UNIT
-        out[:-2, -2] = rows * (-2.0 * frequency * drive) * DAMPING_UNIT
-        out[:-2, -1] = rows * by_amplitude * self.per_unit
+        out[:-2, -3:] = last
         ends = np.zeros((2, size, m))
         ends[0, 1:3] = 2.0 * shape[1:3] * self.unit / self.root
         ends[1, 2, self.mode] = self.unit / self.root[self.mode]
         out[-2:, :-3] = ends.reshape(2, -1)[:, active]
         return out
+
+    def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """See `CurveProblem`."""
+        (shape, frequency, damping, amplitude), balance, active = self.motion(z), self.balance, self.active
+        product, by_frequency = balance.derivative(amplitude * shape, frequency, self.contact(z))
+        last = self._last_columns(z, product(shape).ravel()[active], by_frequency.ravel()[active])
+
+        def applied(v: FloatArray) -> FloatArray:
+            change = self.unpacked(v[:-3])
+            out = product(change) - 2.0 * damping * frequency * balance.velocity(change, frequency)
+            ends = [2.0 * float(np.vdot(shape[1:3], change[1:3])), change[2, self.mode]]
+            return np.append((out / (self.root * self.unit)).ravel()[active] + last @ v[-3:], ends)
+
+        return applied
+
+    def _last_columns(self, z: FloatArray, product: FloatArray, by_frequency: FloatArray) -> FloatArray:
+        """(k, 3) scaled derivatives with respect to the last three unknowns: frequency, damping ratio and amplitude.
+
+        ``product`` (k,) is the Jacobian of the forces times the shape, ``by_frequency`` (k,) their derivative.
+        """
+        shape, frequency, damping, amplitude = self.motion(z)
+        speed = self.balance.velocity(shape, frequency).ravel()[self.active]
+        force = self.balance.linear(shape, frequency) + self.balance.contact.force(self.contact(z)) / amplitude
+        columns = np.column_stack([
+            (by_frequency / amplitude - 4.0 * damping * speed) * self.natural * FREQUENCY_UNIT,
+            -2.0 * frequency * speed * DAMPING_UNIT,
+            (product - force.ravel()[self.active]) * self.per_unit,
+        ])  # fmt: skip
+        return columns / (np.tile(self.root, self.shape[0])[self.active] * self.unit)[:, None]
 
     def strays(self, z: FloatArray) -> tuple[float, float]:
         """Norms of the mean displacement and of the higher harmonics, each divided by the norm of the motion.
@@ -160,8 +162,7 @@ class ModalMotion:
         The first is zero if the energy of the mean displacement does not exceed the energy stored in the contact when
         every point is about to slip.
         """
-        y = np.zeros(self.shape)
-        y.ravel()[self.active] = z[:-3]
+        y = self.placed(z[:-3])
         size, mean = max(float(np.linalg.norm(y)), 1e-300), float(np.linalg.norm(y[0]))
         held = self.motion(z)[3] * self.unit * mean <= self.held
         return 0.0 if held else mean / size, float(np.linalg.norm(y[3:])) / size
@@ -256,8 +257,7 @@ class BackboneCurve:
         old = self.problem
         mode = int(np.argmax(np.abs(shift[old.mode])))
         problem, found, factor = ModalMotion(HarmonicBalance(contact, 0.0), mode, old.amplitudes), [], None
-        row = np.zeros(len(problem.active) + 3)
-        row[-1] = 1.0
+        row = np.append(np.zeros(len(problem.active) + 2), 1.0)
         for k, q in enumerate(self.coefficients):
             amplitude = float(np.linalg.norm(q[1:3]))
             guesses = [q @ shift]
@@ -265,7 +265,7 @@ class BackboneCurve:
                 guesses.insert(0, starts[k] @ contact.model.vectors)
             for guess in guesses:
                 start = problem.scaled(guess / amplitude, self.frequencies[k], self.damping[k], amplitude)
-                z, history, _, factor = correct(problem, start, row, control, kept=factor if starts is None else None)
+                z, history, _, factor = correct(problem, start, row, control, kept=factor, chord=starts is None)
                 if z is not None:
                     break
             if z is not None:
@@ -336,7 +336,7 @@ def solve_backbone(
         Smallest and largest tip amplitude in m. They are converted to modal amplitudes with the linear mode (interface
         stuck).
     mode
-        Index of the linear mode to start from; when None, `main_mode`.
+        Index of the linear mode to start from; when None, `ReducedModel.main_mode`.
 
     Raises
     ------
@@ -364,14 +364,14 @@ def backbone_curve(
             f"tip amplitudes {tip_amplitudes} m are not positive and increasing", key="backbone",
             remedy="give a smaller, then a larger one",
         )  # fmt: skip
-    number = main_mode(model) if mode is None else mode
+    number = model.main_mode if mode is None else mode
     reach = float(abs(model.tip[number]))
     if reach == 0.0 or model.eigenvalues[number] <= 0.0:
-        what = f"mode {number} does not move the tip or has no positive stiffness"
-        raise InputError(what, remedy="choose another mode")
+        raise InputError(
+            f"mode {number} does not move the tip or has no positive stiffness", remedy="choose another mode"
+        )
     control = control or BACKBONE_STEPS
-    low, high = (a / reach for a in tip_amplitudes)
-    problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (low, high))
+    problem = ModalMotion(HarmonicBalance(contact, 0.0), number, (tip_amplitudes[0] / reach, tip_amplitudes[1] / reach))
     first = solve_at(problem, problem.start(), control)
     told = on_point or (lambda share, count: None)
     place: Callable[[list[CurvePoint]], None] = lambda found: told(float(found[-1].z[-1]) / LENGTH, len(found))  # noqa: E731

@@ -18,12 +18,15 @@ Krack, Gross (2019), Harmonic Balance for Nonlinear Vibration Problems, doi:10.1
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.aft import PRESSURE_CHANGE, HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.periodic.tangent_map import TangentMap
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.numerics.continuation import StepControl, solve_at
@@ -128,6 +131,28 @@ class HarmonicBalance:
             by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
         return matrix, by_frequency.ravel()[active]
 
+    def derivative(
+        self,
+        coefficients: FloatArray,
+        frequency: float,
+        contact: PeriodicContact,
+        *,
+        threshold: float = PRESSURE_CHANGE,
+    ) -> tuple[Callable[[FloatArray], FloatArray], FloatArray]:
+        """As `jacobian`, without a matrix.
+
+        Returns
+        -------
+        product : function that returns the change (R, m) of the residual due to a change (R, m) of the coefficients
+        by_frequency : (R, m) derivative with respect to the frequency, per rad/s
+        """
+        tangent = TangentMap(self.contact, coefficients, contact, threshold)
+        w = self.orders[:, None] * frequency
+        by_frequency = tangent.by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
+        if self.model.damping is not None:
+            by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
+        return lambda change: self.linear(change, frequency) + tangent.product(change), by_frequency
+
     def cycle_work(self, coefficients: FloatArray, frequency: float) -> CycleWork:
         """Work of the base excitation, the interfaces and the dashpots during one period, J.
 
@@ -177,17 +202,48 @@ class CycleWork:
     interface: float
 
 
-class FrequencyCurve:
+class ScaledMotions(ABC):
+    """Periodic motions as vectors of scaled unknowns: the active Fourier coefficients, then the unknowns of a curve.
+
+    Attributes
+    ----------
+    balance : equations of the harmonic balance
+    shape : shape (R, m) of the Fourier coefficients
+    active : (k,) indices of the unknowns in the flattened coefficients, see `HarmonicContact.active`
+    """
+
+    def __init__(self, balance: HarmonicBalance):
+        self.balance = balance
+        self.shape, self.active = (len(balance.orders), balance.model.size), balance.contact.active
+        self._seen: tuple[FloatArray, PeriodicContact] | None = None
+
+    def placed(self, y: FloatArray) -> FloatArray:
+        """(R, m) array with the values ``y`` (k,) of the active coefficients."""
+        out = np.zeros(self.shape)
+        out.ravel()[self.active] = y
+        return out
+
+    @abstractmethod
+    def residual(self, z: FloatArray) -> FloatArray:
+        """See `CurveProblem`; the contact during the period is kept."""
+
+    def contact(self, z: FloatArray) -> PeriodicContact:
+        """Contact during a period of the motion ``z`` (n + 1,)."""
+        if self._seen is None or not np.array_equal(self._seen[0], z):
+            self.residual(z)
+        assert self._seen is not None
+        return self._seen[1]
+
+
+class FrequencyCurve(ScaledMotions):
     """Harmonic balance as a `CurveProblem`: the unknowns are the scaled coefficients, then the scaled frequency."""
 
     def __init__(self, balance: HarmonicBalance, band: tuple[float, float], size: float):
-        self.balance = balance
+        super().__init__(balance)
         self.band = band  # rad/s
-        self.shape, self.active = (len(balance.orders), balance.model.size), balance.contact.active
         self.root = np.sqrt(np.maximum(balance.model.eigenvalues, 0.0) + band[0] * band[1])
         self.size = size  # J^(1/2)
         self.per_unit = (band[1] - band[0]) / BAND_SCALE
-        self._seen: tuple[FloatArray, PeriodicContact] | None = None
 
     def scaled(self, coefficients: FloatArray, frequency: float) -> FloatArray:
         """(n + 1,) scaled unknowns of a motion (R, m) at ``frequency`` (rad/s)."""
@@ -196,9 +252,7 @@ class FrequencyCurve:
 
     def unpacked(self, y: FloatArray) -> FloatArray:
         """(R, m) Fourier coefficients, divided by the reference energy norm ``size``, from scaled unknowns (n,)."""
-        out = np.zeros(self.shape)
-        out.ravel()[self.active] = y
-        return out / self.root
+        return self.placed(y) / self.root
 
     def motion(self, z: FloatArray) -> tuple[FloatArray, float]:
         """Coefficients (R, m) and frequency (rad/s) from scaled unknowns ``z`` (n + 1,)."""
@@ -210,13 +264,6 @@ class FrequencyCurve:
         self._seen = z, contact
         return np.asarray((residual / (self.root * self.size)).ravel()[self.active])
 
-    def contact(self, z: FloatArray) -> PeriodicContact:
-        """Contact during a period of the motion ``z`` (n + 1,)."""
-        if self._seen is None or not np.array_equal(self._seen[0], z):
-            self.residual(z)
-        assert self._seen is not None
-        return self._seen[1]
-
     def jacobian(self, z: FloatArray) -> np.ndarray:
         """See `CurveProblem`."""
         matrix, by_frequency = self.balance.jacobian(*self.motion(z), self.contact(z))
@@ -226,6 +273,17 @@ class FrequencyCurve:
         out[:, :-1] *= scale[:, None]
         out[:, -1] = by_frequency * (self.per_unit / self.size) * scale
         return out
+
+    def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """See `CurveProblem`."""
+        product, by_frequency = self.balance.derivative(*self.motion(z), self.contact(z))
+        by_place = by_frequency * (self.per_unit / self.size)
+
+        def applied(v: FloatArray) -> FloatArray:
+            change = product(self.unpacked(v[:-1])) + by_place * v[-1]
+            return np.asarray((change / self.root).ravel()[self.active])
+
+        return applied
 
     def solve(self, z: FloatArray, control: StepControl) -> FloatArray:
         """Solution (n + 1,) at the frequency of the initial guess ``z``.
@@ -247,14 +305,12 @@ class FrequencyCurve:
         """Energy norm of the harmonics above the fundamental, divided by the energy norm of the motion."""
         if self.balance.model.condensation.forces:  # forces of their own drive the overtones
             return 0.0
-        y = np.zeros(self.shape)
-        y.ravel()[self.active] = z[:-1]
+        y = self.placed(z[:-1])
         return float(np.linalg.norm(y[3:])) / max(float(np.linalg.norm(y)), 1e-300)
 
     def drifted(self, z: FloatArray) -> bool:
         """Whether the mean displacement exceeds `LARGEST_DRIFT`."""
-        y = np.zeros(self.shape)
-        y.ravel()[self.active] = z[:-1]
+        y = self.placed(z[:-1])
         return float(np.linalg.norm(y[0])) > LARGEST_DRIFT * max(1.0, float(np.linalg.norm(y[1:])))
 
     def growth(self, z: FloatArray) -> float:

@@ -127,7 +127,7 @@ class HarmonicCurve:
                 places += [places[0] - aside, places[0] + aside]
             steps = control.suited_to(len(row))
             for start in places:
-                z, history, _, factor = correct(problem, start, row, steps, kept=factor if starts is None else None)
+                z, history, _, factor = correct(problem, start, row, steps, kept=factor, chord=starts is None)
                 if z is not None:
                     break
             if z is not None:

@@ -58,6 +58,11 @@ class ReducedModel:
         """Number of reduced coordinates."""
         return len(self.eigenvalues)
 
+    @property
+    def main_mode(self) -> int:
+        """Index of the mode with the largest static tip displacement per unit base acceleration."""
+        return int(np.argmax(np.abs(self.base * self.tip) / np.maximum(self.eigenvalues, 1e-300)))
+
     @classmethod
     def complete(cls, condensation: Condensation) -> ReducedModel:
         """Exact model that keeps every mode, for small systems."""

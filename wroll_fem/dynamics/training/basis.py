@@ -14,7 +14,6 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.backbone import main_mode
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
@@ -71,7 +70,7 @@ def first_model(
 def imposed_motions(contact: HarmonicContact) -> Motions:
     """Motions in the main mode, from the onset of slip to gross slip (`SLIP_LEVELS`)."""
     model, gamma = contact.model, contact.laws.gamma
-    main = main_mode(model)
+    main = model.main_mode
     reach = float(np.max(np.abs(contact.jump[: 2 * contact.n, main]) / np.repeat(gamma, 2)))
     q = np.zeros((len(SLIP_LEVELS), contact.sampling.size, model.size))
     q[:, 1, main] = np.array(SLIP_LEVELS) / max(reach, 1e-300)

@@ -96,7 +96,7 @@ def _by_jumps(at: _Motion, residual: list[FloatArray], tolerance: float) -> list
     """Solution of the linearised equations for the jump, by GMRES, then for the modes."""
     direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
     tangent = _Tangent(at)
-    z = gmres(tangent.product, at.every.motion(direct), tolerance=tolerance, iterations=KRYLOV)
+    z = gmres(tangent.product, at.every.motion(direct), tolerance=tolerance, iterations=KRYLOV).solution
     after = tangent.forces(z)
     return [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
 

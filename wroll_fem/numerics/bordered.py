@@ -1,0 +1,145 @@
+"""Linear equations of a continuation: the Jacobian of a curve, bordered by one more row.
+
+With few unknowns the matrix is formed and factored. With many unknowns its LU factors are kept along the curve and
+precondition GMRES at later points, where the Jacobian is multiplied by vectors without being formed. Neighbouring
+points differ only where contact points change their state, so some ten iterations are enough.
+
+References
+----------
+Kelley (1995), Iterative Methods for Linear and Nonlinear Equations, chapters 3 and 6, doi:10.1137/1.9781611970944.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg as la
+
+from wroll_fem.numerics.krylov import Solved, gmres
+from wroll_fem.typing import FloatArray
+
+FEWEST = 600
+"""Number of unknowns from which kept factors precondition GMRES. Below it, a factorisation is cheaper."""
+
+UNKNOWNS_PER_ITERATION = 60
+"""Number of unknowns divided by the largest number of GMRES iterations. More iterations would take longer than new
+factors; the factors are renewed if the residual is still too large."""
+
+NEWTON, TANGENT = 0.05, 1e-4
+"""Relative residuals of a Newton step and of a tangent from GMRES."""
+
+
+class CurveProblem(Protocol):
+    """Equations F(z) = 0 of a curve of solutions z (n + 1,); the last entry of z is the curve parameter."""
+
+    def residual(self, z: FloatArray) -> FloatArray:
+        """Residual F (n,)."""
+        ...
+
+    def jacobian(self, z: FloatArray) -> np.ndarray:
+        """Jacobian dF/dz (n, n + 1), in single precision if this is enough for Newton's method."""
+        ...
+
+    def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Function that multiplies the Jacobian at ``z`` by a vector (n + 1,)."""
+        ...
+
+    def describe(self, z: FloatArray) -> str:
+        """Text that names the position ``z`` on the curve, for messages."""
+        ...
+
+
+class Bordered:
+    """LU factors of the square matrix that consists of the Jacobian and one additional row."""
+
+    def __init__(self, jacobian: np.ndarray, row: FloatArray):
+        # the transpose is the column-major array that LAPACK works on in place
+        matrix = np.vstack([jacobian, row.astype(jacobian.dtype)])
+        getrf, self._getrs = la.get_lapack_funcs(("getrf", "getrs"), (matrix,))
+        lu, pivots, _ = getrf(matrix.T, overwrite_a=True)  # a singular matrix shows in steps that are not finite
+        self.factor = lu, pivots
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solution in double precision; its error is that of the factors, which may be single."""
+        lu, pivots = self.factor
+        return np.asarray(self._getrs(lu, pivots, rhs.astype(lu.dtype), trans=1)[0], dtype=float)
+
+    @property
+    def sign(self) -> float:
+        """Sign of the determinant."""
+        lu, pivots = self.factor
+        swaps = np.count_nonzero(pivots != np.arange(len(pivots)))
+        return float(np.prod(np.sign(np.diag(lu))) * (-1.0) ** swaps)
+
+    def _preconditioned(
+        self, problem: CurveProblem, z: FloatArray, row: FloatArray, rhs: FloatArray, tolerance: float
+    ) -> Solved:
+        """Solution (n + 1,) of the bordered equations at ``z``, with its own ``row``, by GMRES with these factors."""
+        applied = problem.derivative(z)
+
+        def product(y: FloatArray) -> FloatArray:
+            v = self.solve(y)
+            return np.append(applied(v), row @ v)
+
+        found = gmres(product, rhs, tolerance=tolerance, iterations=len(z) // UNKNOWNS_PER_ITERATION)
+        return found._replace(solution=self.solve(found.solution))
+
+
+def newton_step(
+    problem: CurveProblem, z: FloatArray, row: FloatArray, residual: FloatArray, kept: Bordered | None
+) -> tuple[FloatArray, Bordered, bool]:
+    """Newton step (n + 1,) in the plane normal to ``row``.
+
+    Parameters
+    ----------
+    problem, z, row
+        Equations, point (n + 1,) and normal vector (n + 1,).
+    residual
+        (n,) residual at ``z``.
+    kept
+        Factors of an earlier point; None without any.
+
+    Returns
+    -------
+    step : (n + 1,)
+    factors : ``kept``, or the factors at ``z`` if the step was solved with them
+    renewed : whether the factors are those at ``z``
+    """
+    rhs = np.append(-residual, 0.0)
+    if kept is not None and len(z) >= FEWEST and np.isfinite(rhs).all():
+        found = kept._preconditioned(problem, z, row, rhs, NEWTON)
+        if found.residual <= NEWTON:
+            return found.solution, kept, False
+    factors = Bordered(problem.jacobian(z), row)
+    return factors.solve(rhs), factors, True
+
+
+def tangent_at(
+    problem: CurveProblem, z: FloatArray, before: FloatArray, kept: Bordered | None
+) -> tuple[FloatArray, Bordered, float]:
+    """Unit tangent (n + 1,) at ``z``, LU factors, and sign of the determinant of the Jacobian bordered by ``before``.
+
+    The scalar product of the tangent and ``before`` (n + 1,) is positive. ``kept`` are factors of an earlier point;
+    they are returned if the tangent was solved with them.
+    """
+    rhs = np.zeros(len(z))
+    rhs[-1] = 1.0
+    if kept is not None and len(z) >= FEWEST:
+        found = kept._preconditioned(problem, z, before, rhs, TANGENT)
+        if found.residual <= TANGENT and not _changes_sign(found.projected):
+            return found.solution / np.linalg.norm(found.solution), kept, kept.sign
+    factors = Bordered(problem.jacobian(z), before)
+    tangent = factors.solve(rhs)
+    return tangent / np.linalg.norm(tangent), factors, factors.sign
+
+
+def _changes_sign(projected: FloatArray) -> bool:
+    """Whether the determinant may have another sign than that of the kept factors.
+
+    Its sign changes where a real eigenvalue of the preconditioned matrix becomes negative. ``projected`` (k, k) is this
+    matrix in the Krylov space, see `gmres`.
+    """
+    values = np.linalg.eigvals(projected)
+    return bool(((values.real < 0.0) & (values.imag == 0.0)).any())
