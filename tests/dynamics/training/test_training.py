@@ -15,6 +15,7 @@ from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training import enrichment
@@ -66,6 +67,17 @@ def test_estimate_holds_between_the_checked_points() -> None:
     assert trained.energy_error < 1e-3
     assert max(errors) < 2.5e-3
     assert np.mean(errors) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_correction_that_is_not_finite_counts_as_infinite() -> None:
+    """max() of 1e-3 and nan is 1e-3: such a motion would pass the check of the basis."""
+    curve = trained_roll(12, 4).curve
+    broken = HarmonicBalance(curve.balance.contact, np.nan)
+    found = correction(broken, curve.coefficients[0], curve.frequencies[0], curve.direction(0)[None])
+    assert found.energy == np.inf
+    assert found.tip == np.inf
+    assert not found.shapes.any()
+    assert not found.modal.any()
 
 
 def test_a_gap_has_its_resonance_in_its_middle_or_is_refused() -> None:

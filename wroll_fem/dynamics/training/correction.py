@@ -66,7 +66,8 @@ def correction(
     ``along`` (k, R, m) are directions whose components are removed from the correction. One is the direction of the
     curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear mode, the
     directions of amplitude and phase are added, as both are free. ``damping`` is the modal damping ratio of a nonlinear
-    mode, which its negative damping compensates. ``tolerance`` is the relative residual of GMRES.
+    mode, which its negative damping compensates. ``tolerance`` is the relative residual of GMRES. A correction that is
+    not finite counts as infinitely large and has no shapes.
     """
     model, every = balance.model, balance.contact.every_mode
     at = _Motion(balance, coefficients, frequency)
@@ -83,6 +84,9 @@ def correction(
         for first, last, part, r in zip(ends[:-1], ends[1:], delta, at.root, strict=True)
     ]
     found = every.joined(delta)
+    if not np.isfinite(found).all():
+        nothing = np.zeros_like(found)
+        return Correction(nothing, nothing, np.inf, np.inf)
     norm = float(np.linalg.norm(at.energetic(at.modal)))
     return Correction(
         found,
