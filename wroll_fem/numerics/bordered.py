@@ -2,7 +2,7 @@
 
 With few unknowns the matrix is formed and factored. With many unknowns its LU factors are kept along the curve and
 precondition GMRES at later points, where the Jacobian is multiplied by vectors without being formed. Neighbouring
-points differ only where contact points change their state, so some ten iterations are enough.
+points differ mainly where contact points change their state, so some ten iterations are enough.
 
 References
 ----------
@@ -99,7 +99,7 @@ def newton_step(
     residual
         (n,) residual at ``z``.
     kept
-        Factors of an earlier point; None without any.
+        Factors of an earlier point, which precondition GMRES; None without any.
 
     Returns
     -------
@@ -139,7 +139,8 @@ def _changes_sign(projected: FloatArray) -> bool:
     """Whether the determinant may have another sign than that of the kept factors.
 
     Its sign changes where a real eigenvalue of the preconditioned matrix becomes negative. ``projected`` (k, k) is this
-    matrix in the Krylov space, see `gmres`.
+    matrix in the Krylov space, see `gmres`. The space lacks directions that the right-hand side does not excite, such
+    as those of another symmetry; a change of sign there is seen at the next factorisation.
     """
     values = np.linalg.eigvals(projected)
     return bool(((values.real < 0.0) & (values.imag == 0.0)).any())

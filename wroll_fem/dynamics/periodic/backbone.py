@@ -49,7 +49,7 @@ energy stored in the contact when every point is about to slip: points that the 
 once, by about the amplitude, and then stick."""
 
 NEAR_END = float(np.log(0.95))
-"""Logarithm of the largest amplitude kept of a backbone that cannot be followed to its end, relative to the largest."""
+"""Logarithm of 0.95: a backbone that cannot be followed to its end keeps this share of its largest amplitude."""
 
 
 class ModalMotion(ScaledMotions):

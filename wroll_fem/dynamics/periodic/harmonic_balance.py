@@ -122,14 +122,12 @@ class HarmonicBalance:
         self.contact.add_shift(matrix, coefficients, contact)
         w = self.orders[:, None] * frequency
         matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
-        by_frequency = by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
         if self.model.damping is not None:
             for k, forward, backward, modes in self.contact.harmonic_blocks:
                 coupling = w[k, 0] * self.model.damping[modes]
                 matrix[forward] += coupling
                 matrix[backward] -= coupling.T
-            by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
-        return matrix, by_frequency.ravel()[active]
+        return matrix, self._by_frequency(coefficients, frequency, by_log).ravel()[active]
 
     def derivative(
         self,
@@ -147,11 +145,15 @@ class HarmonicBalance:
         by_frequency : (R, m) derivative with respect to the frequency, per rad/s
         """
         tangent = TangentMap(self.contact, coefficients, contact, threshold)
-        w = self.orders[:, None] * frequency
-        by_frequency = tangent.by_log / frequency - 2.0 * w * self.orders[:, None] * coefficients
-        if self.model.damping is not None:
-            by_frequency += self.velocity(coefficients, 1.0) @ self.model.damping.T
+        by_frequency = self._by_frequency(coefficients, frequency, tangent.by_log)
         return lambda change: self.linear(change, frequency) + tangent.product(change), by_frequency
+
+    def _by_frequency(self, coefficients: FloatArray, frequency: float, by_log: FloatArray) -> FloatArray:
+        """(R, m) derivative of the residual, per rad/s; ``by_log`` is that of the contact force by ln(frequency)."""
+        out = by_log / frequency - 2.0 * frequency * self.orders[:, None] ** 2 * coefficients
+        if self.model.damping is not None:
+            out += self.velocity(coefficients, 1.0) @ self.model.damping.T
+        return out
 
     def cycle_work(self, coefficients: FloatArray, frequency: float) -> CycleWork:
         """Work of the base excitation, the interfaces and the dashpots during one period, J.
