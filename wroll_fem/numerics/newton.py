@@ -19,6 +19,8 @@ STATIC_RENEWAL = 0.1
 CONDENSED_RENEWAL = 0.3
 """Ratio of successive residuals above which a condensed time step factorises a new matrix (dense, for the
 points that slip)."""
+SLIDING_RENEWAL = 0.15
+"""The same for a matrix that starts from the compliance without tangential springs, which is smaller."""
 REDUCED_RENEWAL = 0.12
 """Ratio of successive residuals above which a reduced time step factorises a new matrix (small and dense)."""
 CHORD_RENEWAL = 0.25

@@ -13,6 +13,7 @@ from support.twisted_wall import TWISTED
 
 from wroll_fem.analyses.shared.assembly import build_bodies, build_system
 from wroll_fem.case import load_case
+from wroll_fem.contact.point import tangentials
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense, condense_cyclic
 from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, spread
 from wroll_fem.dynamics.statics.condensed import CondensedStatic
@@ -83,6 +84,24 @@ def test_modes_carry_the_compliance_of_the_interfaces():
     whole = spla.splu(system.with_interface_springs(condensation.springs))
     expected = system.jump @ whole.solve(system.jump.T.toarray() * system.weights)
     np.testing.assert_allclose(dense, expected, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("symmetric", "more", "error"), [(True, (), 1e-9), (False, (), 1e-9), (False, (TWISTED,), 1e-8)]
+)
+def test_tangential_springs_can_be_taken_from_the_compliance(symmetric, more, error):
+    """As in a time step, with the inertia of the structure; both parities of angle plies are one block."""
+    system, shift = roll(symmetric, 2, "{circumferential: 8, axial: 2, grading: 1}", *more), 1e7
+    condensation = condense_cyclic(system, springs_of(system))
+    assert condensation is not None
+    inverse = by_block(1.0 / (condensation.eigenvalues + shift), condensation)
+    blocks, _ = condensation.compliance(inverse, system.laws.area)
+    dense = condensation.sliding_compliance(blocks, system.laws.area)[1]
+    springs = condensation.springs.copy()
+    tangentials(springs)[:] = 0.0
+    whole = spla.splu((system.with_interface_springs(springs) + shift * system.mass).tocsc())
+    expected = system.jump @ whole.solve(system.jump.T.toarray() * system.weights)
+    np.testing.assert_allclose(dense, expected, atol=error * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(("moments", "slow", "fast"), [(2, 1e-5, 5e-3), (3, 1e-9, 1e-5), (4, 1e-9, 5e-9)])

@@ -15,7 +15,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from wroll_fem.contact.point import tangentials
-from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, by_component, spread
+from wroll_fem.dynamics.reduction.cyclic_blocks import Blocks, by_component, spread, without_tangential_springs
 from wroll_fem.dynamics.system.harmonic_force import HarmonicForce
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
@@ -136,6 +136,11 @@ class Condensation:
         """
         blocks = np.array([(j * p if p.ndim == 1 else j @ p) @ j.T for j, p in zip(self.jump, inverse, strict=True)])
         return blocks, spread(blocks, self.profiles, area)
+
+    def sliding_compliance(self, blocks: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """`compliance` without the tangential springs of the interfaces, from its ``blocks``."""
+        found = without_tangential_springs(blocks, self.profiles, self.springs, area)
+        return found, spread(found, self.profiles, area)
 
     def viscous_force(self, velocity: FloatArray) -> FloatArray:
         """(r, k) modal forces of the dashpots at the modal velocities (r, k)."""

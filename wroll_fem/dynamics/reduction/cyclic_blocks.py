@@ -181,6 +181,25 @@ def spread(blocks: FloatArray, profiles: FloatArray, area: FloatArray) -> FloatA
     return dense
 
 
+def without_tangential_springs(
+    blocks: FloatArray, profiles: FloatArray, springs: FloatArray, area: FloatArray
+) -> FloatArray:
+    """Blocks of the interface compliance, m/N, after the tangential springs in the interfaces are taken away.
+
+    ``blocks``, ``profiles`` and ``area`` are those of `spread`; ``springs`` (3 n_points,), Pa/m, are uniform around
+    each row of contact points.
+    """
+    waves, n_theta = profiles.shape[1], profiles.shape[3]
+    rows = len(area) // n_theta
+    stiffness = tangentials(springs).reshape(rows, n_theta, 2)[:, 0]
+    shares = np.einsum("rt,bwct,bvct->bwvcr", area.reshape(rows, n_theta), profiles, profiles, optimize=True)
+    taken = np.zeros((len(blocks), waves, 3, rows, waves, 3, rows))
+    for c, row in itertools.product(range(2), range(rows)):
+        taken[:, :, c, row, :, c, row] = stiffness[row, c] * shares[:, :, :, c, row]
+    size = blocks.shape[1]
+    return np.linalg.solve(np.eye(size) - blocks @ taken.reshape(-1, size, size), blocks)
+
+
 def level_springs(system: System, springs: FloatArray, n_theta: int) -> FloatArray:
     """Springs (3 n_points,), Pa/m, made uniform around each row of contact points.
 

@@ -9,7 +9,8 @@ It is kept small and fast as follows:
 
 * The sticking interface of the preload state (springs :math:`D_0`) is part of the linear structure. The traction
   correction :math:`s = t(g) - t_0 - D_0 (g - g_0)` vanishes where a point sticks at its preload pressure. Newton's
-  matrix is formed only for points that slip or open, or whose pressure has changed.
+  matrix is formed only for points that slip or open, or whose pressure has changed. Where many points have opened, it
+  starts from a compliance without tangential springs, beside which an open point has one active component, not three.
 * The structure is represented by all its modes, without truncation. K and M of a roll with rotational symmetry fall
   into circumferential blocks (`cyclic_blocks`), so that all modes can be computed and used at low cost.
 * F is applied for one circumferential block after the other.
@@ -28,17 +29,23 @@ from __future__ import annotations
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
+from wroll_fem.dynamics.reduction.interface_operator import Compliance, InterfaceOperator
 from wroll_fem.dynamics.reduction.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, InterfaceOperator, advance_steps
+from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.typing import FloatArray
+
+WIDELY_OPEN = 0.02
+"""Share of the points that have been open, above which Newton's matrix may start from springs that slide."""
+
+_NOTHING = Compliance(np.zeros((0, 0, 0)), np.zeros((0, 0), np.float32))
 
 
 class CondensedStepper(Stepper):
@@ -94,9 +101,20 @@ class CondensedStepper(Stepper):
             scaled = [(1.0 + s.alpha) * part for part in inverse_blocks(modal, c.blocks)]
             blocks, compliance = c.compliance(scaled, self.system.laws.area)
             profiles = np.ascontiguousarray(c.profiles.reshape(-1, 3, c.n_theta).transpose(1, 0, 2))
-            interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, blocks, compliance.astype(np.float32))
+            sticking = Compliance(blocks, compliance.astype(np.float32))
+            interface = InterfaceOperator(c.blocks, self._modal_jump, profiles, sticking, _NOTHING)
             self._operators[dt] = modal, interface
-        return self._operators[dt]
+        modal, interface = self._operators[dt]
+        if self._opens and not len(interface.sliding.dense):
+            blocks, compliance = self.condensation.sliding_compliance(interface.sticking.blocks, self.system.laws.area)
+            interface = interface._replace(sliding=Compliance(blocks, compliance.astype(np.float32)))
+            self._operators[dt] = modal, interface
+        return modal, interface
+
+    @property
+    def _opens(self) -> bool:
+        """Whether enough points have been open for Newton's matrix to be smaller without tangential springs."""
+        return bool(np.mean(self.accumulated.opening.open_time > 0.0) > WIDELY_OPEN) if self.system.n_points else False
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""

@@ -15,18 +15,26 @@ from wroll_fem.contact.kernels import (
     record_slip,
     trial_traction,
 )
-from wroll_fem.contact.point import AXIAL, HOOP, NORMAL, axial, component_of, contact_dof, hoop, normal, point_of
+from wroll_fem.contact.point import AXIAL, HOOP, NORMAL, axial, component_of, hoop, normal, point_of
+from wroll_fem.dynamics.reduction import interface_operator
+from wroll_fem.dynamics.reduction.interface_operator import (
+    add_free_jump,
+    add_response,
+    modal_force,
+)
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
 from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
 from wroll_fem.numerics import lu
 from wroll_fem.numerics import newton as rates
-from wroll_fem.numerics.newton import CONDENSED_RENEWAL
+from wroll_fem.numerics.newton import CONDENSED_RENEWAL, SLIDING_RENEWAL
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray, IntArray
 
-drop_stale_cache(__file__, modal_kernel.__file__, records.__file__, rates.__file__, lu.__file__)
+drop_stale_cache(
+    __file__, modal_kernel.__file__, records.__file__, rates.__file__, lu.__file__, interface_operator.__file__,
+)  # fmt: skip
 
 STIFFNESS_CHANGE = 0.3
 """Change of the tangential stiffness of a point, relative to the reference contact stiffness, above which the point is
@@ -43,27 +51,6 @@ NEGLIGIBLE = np.float32(1e-12)
 SHORTEST = 0.3
 """Damping factor below which a step with a new matrix is taken even if it does not reduce the residual; a shorter one
 only delays the change of the points' states."""
-
-
-class InterfaceOperator(NamedTuple):
-    """Matrices for the interface jump per unit modal coordinate and per unit traction, by circumferential block.
-
-    Attributes
-    ----------
-    starts : (n_blocks + 1,) index of the first mode of each block, then the number of modes
-    modal_jump : flat array; amplitude of the jump of every wave in each row of points per unit modal coordinate, block
-        after block
-    profiles : (3, n_blocks n_waves, n_theta) shape of the hoop, axial and normal components of each wave around a row
-    blocks : (n_blocks, n_waves 3 n_rows, n_waves 3 n_rows) compliance: amplitude of the jump per unit amplitude of the
-        force, m/N
-    compliance : (3 n, 3 n) compliance F: jump per unit traction, m/Pa, in single precision, for Newton's matrix
-    """
-
-    starts: IntArray
-    modal_jump: FloatArray
-    profiles: FloatArray
-    blocks: FloatArray
-    compliance: np.ndarray
 
 
 class CondensedState(NamedTuple):
@@ -90,54 +77,17 @@ class _Factors(NamedTuple):
 
     Attributes
     ----------
+    slides : whether the matrix starts from the compliance `InterfaceOperator.sliding`
     active : (m,) active contact DOFs
     change : (m, 3) rows of the stiffness change
     matrix, pivots : (m, m), (m,) LU factors, see `lu.factor`
     """
 
+    slides: bool
     active: IntArray
     change: FloatArray
     matrix: np.ndarray
     pivots: np.ndarray
-
-
-@numba.njit(cache=True)
-def _gather(s, area, profiles, amplitudes):
-    """Circumferential amplitudes (n_blocks, n_waves 3 n_rows) of the contact forces area * s, for tractions s (3 n,).
-
-    They are sorted by wave, then by component (hoop, axial, normal), then by row. s is in Pa.
-    """
-    n, n_waves, n_theta = area.shape[0], profiles.shape[1], profiles.shape[2]
-    rows = n // n_theta
-    of_wave = amplitudes.reshape(n_waves, 3 * rows)  # a view
-    force = np.empty((rows, n_theta))
-    for c in range(3):
-        for row in range(rows):
-            for i in range(n_theta):
-                k = row * n_theta + i
-                force[row, i] = area[k] * s[contact_dof(k, c, n)]
-        projected = np.dot(force, profiles[c].T)
-        for b in range(n_waves):
-            for row in range(rows):
-                of_wave[b, c * rows + row] = projected[row, b]
-
-
-@numba.njit(cache=True)
-def _scatter(amplitudes, profiles, out):
-    """Add to ``out`` the values (3 n,) at the contact points from their ``amplitudes`` (see `_gather`)."""
-    n, n_waves, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
-    rows = n // n_theta
-    of_wave = amplitudes.reshape(n_waves, 3 * rows)
-    part = np.empty((rows, n_waves))
-    for c in range(3):
-        for b in range(n_waves):
-            for row in range(rows):
-                part[row, b] = of_wave[b, c * rows + row]
-        values = np.dot(part, profiles[c])
-        for row in range(rows):
-            for i in range(n_theta):
-                k = row * n_theta + i
-                out[contact_dof(k, c, n)] += values[row, i]
 
 
 @numba.njit(cache=True)
@@ -151,38 +101,13 @@ def _residual(g_hat, interface, reference, contact, laws, dt, trial, amplitudes)
     correction(g, t, reference, s)
     for i in range(g.shape[0]):
         rho[i] = g[i] - g_hat[i]
-    _gather(s, laws.area, interface.profiles, amplitudes)
-    for b in range(interface.blocks.shape[0]):
-        amplitudes[b] = np.dot(interface.blocks[b], amplitudes[b])
-    _scatter(amplitudes, interface.profiles, rho)
+    add_response(s, laws.area, interface.profiles, interface.sticking.blocks, amplitudes, rho)
     largest = 0.0
     for i in range(g.shape[0]):
         if not np.isfinite(rho[i]):
             return np.inf
         largest = max(largest, abs(rho[i]))
     return largest
-
-
-@numba.njit(cache=True)
-def _free_jump(q, interface, amplitudes, out):
-    """Add to ``out`` (3 n,) the jump due to modal coordinates q (r,)."""
-    size, starts = amplitudes.shape[1], interface.starts
-    for b in range(amplitudes.shape[0]):
-        first, last = starts[b], starts[b + 1]
-        block = interface.modal_jump[size * first : size * last].reshape(size, last - first)
-        amplitudes[b] = np.dot(block, q[first:last])
-    _scatter(amplitudes, interface.profiles, out)
-
-
-@numba.njit(cache=True)
-def _modal_force(s, area, interface, amplitudes, force):
-    """Fill ``force`` (r,) with the modal force of the traction correction s: G^T W s in modal coordinates."""
-    _gather(s, area, interface.profiles, amplitudes)
-    size, starts = amplitudes.shape[1], interface.starts
-    for b in range(amplitudes.shape[0]):
-        first, last = starts[b], starts[b + 1]
-        block = interface.modal_jump[size * first : size * last].reshape(size, last - first)
-        force[first:last] = np.dot(amplitudes[b], block)
 
 
 @numba.njit(cache=True)
@@ -210,6 +135,27 @@ def _active_dofs(tangent, springs, status, included):
 
 
 @numba.njit(cache=True)
+def _active_beside_sliding(tangent, springs):
+    """Contact degrees of freedom whose tangent differs from the springs that `InterfaceOperator.sliding` contains.
+
+    These are all tangential ones of closed points, and normal ones of points that have opened or closed.
+    """
+    n = tangent.shape[0]
+    active = np.empty(3 * n, np.int64)
+    m = 0
+    for k in range(n):
+        if tangent[k, HOOP, HOOP] != 0.0 or tangent[k, AXIAL, AXIAL] != 0.0:
+            active[m] = hoop(k)
+            active[m + 1] = axial(k)
+            m += 2
+    for k in range(n):
+        if tangent[k, NORMAL, NORMAL] != springs[normal(k, n)]:
+            active[m] = normal(k, n)
+            m += 1
+    return active[:m]
+
+
+@numba.njit(cache=True)
 def _include(rho, size, iterations, included):
     """Include points in Newton's matrix after a poor iteration with a new matrix; see `STUCK_SHARE`, `ALL_POINTS`."""
     n = included.shape[0]
@@ -220,11 +166,12 @@ def _include(rho, size, iterations, included):
 
 
 @numba.njit(cache=True)
-def _factor(active, tangent, springs, compliance):
+def _factor(active, slides, tangent, springs, compliance):
     """Rows (m, 3) of the stiffness change Delta D, and LU factors of I + Delta D F (m, m), for m active contact DOFs.
 
-    Delta D is the contact tangent minus the reference contact stiffness, F the interface compliance. The factors are in
-    single precision, which halves their cost: they only correct residuals that are computed in double precision.
+    Delta D is the contact tangent minus the reference contact stiffness, F the interface ``compliance`` (3 n, 3 n) with
+    this stiffness; if the compliance ``slides``, it has no tangential springs. The factors are in single precision,
+    which halves their cost: they only correct residuals that are computed in double precision.
     """
     m, n = active.shape[0], tangent.shape[0]
     change = np.empty((m, 3))
@@ -234,7 +181,8 @@ def _factor(active, tangent, springs, compliance):
         k, row = point_of(dof, n), component_of(dof, n)
         for c in range(3):
             change[i, c] = tangent[k, row, c]
-        change[i, row] -= springs[dof]
+        if row == NORMAL or not slides:
+            change[i, row] -= springs[dof]
         c0, c1, c2 = np.float32(change[i, 0]), np.float32(change[i, 1]), np.float32(change[i, 2])
         f0, f1, f2 = compliance[hoop(k)], compliance[axial(k)], compliance[normal(k, n)]
         for j in range(m):
@@ -242,27 +190,51 @@ def _factor(active, tangent, springs, compliance):
             value = c0 * f0[a] + c1 * f1[a] + c2 * f2[a]
             matrix[i, j] = value if abs(value) > NEGLIGIBLE else np.float32(0.0)
         matrix[i, i] += 1.0
-    return _Factors(active, change, matrix, lu.factor(matrix))
+    return _Factors(slides, active, change, matrix, lu.factor(matrix))
 
 
 @numba.njit(cache=True)
-def _newton_step(factors, interface, area, rho, amplitudes, delta):
-    """Fill ``delta`` with the Newton step -(I + F Delta D)^{-1} rho; symbols as in `_factor`."""
+def _factored(tangent, springs, status, included, interface):
+    """`_Factors` for the contact ``tangent`` (n, 3, 3), from the compliance that leaves fewer active DOFs.
+
+    An open point has three of them beside springs that stick, and one beside springs that slide.
+    """
+    active = _active_dofs(tangent, springs, status, included)
+    if interface.sliding.dense.shape[0] > 0:
+        others = _active_beside_sliding(tangent, springs)
+        if others.shape[0] < active.shape[0]:
+            return _factor(others, True, tangent, springs, interface.sliding.dense)
+    return _factor(active, False, tangent, springs, interface.sticking.dense)
+
+
+@numba.njit(cache=True)
+def _newton_step(factors, interface, area, springs, rho, amplitudes, delta):
+    r"""Fill ``delta`` with the Newton step :math:`-(I + F (D - D_0))^{-1} \rho`.
+
+    F is the compliance with the springs D_0, D the contact tangent. Without the tangential springs T of D_0 the
+    compliance is F_1 and the change Delta = D - D_0 + T. Then the step is -rho - F_1 (T rho + y), with
+    (I + Delta F_1) y = -Delta (rho + F_1 T rho). Otherwise T is zero, and F_1 is F.
+    """
     active, change = factors.active, factors.change
     m, n = active.shape[0], area.shape[0]
+    blocks = interface.sliding.blocks if factors.slides else interface.sticking.blocks
+    traction = np.zeros(3 * n)
+    delta[:] = rho
+    if factors.slides:
+        for i in range(2 * n):
+            traction[i] = springs[i] * rho[i]
+        add_response(traction, area, interface.profiles, blocks, amplitudes, delta)
     y = np.empty(m, np.float32)
     for i in range(m):
         k = point_of(active[i], n)
-        y[i] = -(change[i, 0] * rho[hoop(k)] + change[i, 1] * rho[axial(k)] + change[i, 2] * rho[normal(k, n)])
+        y[i] = -(change[i, 0] * delta[hoop(k)] + change[i, 1] * delta[axial(k)] + change[i, 2] * delta[normal(k, n)])
     lu.solve(factors.matrix, factors.pivots, y)
-    full = np.zeros(3 * n)
     for i in range(m):
-        full[active[i]] = y[i]
-    delta[:] = -rho
-    _gather(full, area, interface.profiles, amplitudes)
-    for b in range(interface.blocks.shape[0]):
-        amplitudes[b] = -np.dot(interface.blocks[b], amplitudes[b])
-    _scatter(amplitudes, interface.profiles, delta)
+        traction[active[i]] += y[i]
+    delta[:] = rho
+    add_response(traction, area, interface.profiles, blocks, amplitudes, delta)
+    for i in range(3 * n):
+        delta[i] = -delta[i]
 
 
 @numba.njit(cache=True)
@@ -285,10 +257,10 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     t, e, status = np.empty(3 * n), np.empty(2 * n), np.empty(n, np.int64)
     s, rho, delta, g, g_try = np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n), np.zeros(3 * n)
     here, there = _Trial(g, t, e, status, s, rho), _Trial(g_try, t, e, status, s, rho)
-    amplitudes = np.zeros((interface.blocks.shape[0], interface.blocks.shape[1]))
+    amplitudes = np.zeros(interface.sticking.blocks.shape[:2])
     g_hat, force = np.zeros(3 * n), np.zeros(motion.q.shape[0])
     tangent = np.zeros((n, 3, 3))
-    factors = _Factors(np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 0), np.float32), np.empty(0, np.int32))
+    factors = _factor(np.empty(0, np.int64), False, tangent, springs, interface.sticking.dense)
     have_factor = False
     included = np.zeros(n, np.bool_)
 
@@ -298,7 +270,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
         converged = True
         if n > 0:
             g_hat[:] = reference.jump
-            _free_jump(q_hat, interface, amplitudes, g_hat)
+            add_free_jump(q_hat, interface, amplitudes, g_hat)
             for i in range(3 * n):
                 g[i] = 2.0 * contact.jump[i] - state.jump_before[i]
             size = _residual(g_hat, interface, reference, contact, laws, dt, here, amplitudes)
@@ -312,11 +284,10 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                     break
                 if not have_factor:
                     consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
-                    active = _active_dofs(tangent, springs, status, included)
-                    factors = _factor(active, tangent, springs, interface.compliance)
+                    factors = _factored(tangent, springs, status, included, interface)
                     have_factor = True
                     fresh = True
-                _newton_step(factors, interface, area, rho, amplitudes, delta)
+                _newton_step(factors, interface, area, springs, rho, amplitudes, delta)
                 iterations += 1
                 damping = 1.0
                 while True:
@@ -335,14 +306,14 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                 g[:] = g_try
                 size = new
                 history[iterations] = size
-                if rate > CONDENSED_RENEWAL:
+                if rate > (SLIDING_RENEWAL if factors.slides else CONDENSED_RENEWAL):
                     have_factor = False
                     if fresh and (rate > STUCK_RATE or iterations > ALL_POINTS):
                         _include(rho, size, iterations, included)
                 fresh = False
             if not converged:
                 return number
-            _modal_force(s, area, interface, amplitudes, force)
+            modal_force(s, area, interface, amplitudes, force)
         ends = acceleration[number : number + 2]
         commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
         if n > 0:

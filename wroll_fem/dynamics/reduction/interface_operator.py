@@ -1,0 +1,118 @@
+"""Compiled maps between contact points, circumferential blocks and modes, and the compliance of the interfaces."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from wroll_fem.contact.point import contact_dof
+from wroll_fem.numerics.numba_cache import drop_stale_cache
+from wroll_fem.typing import FloatArray, IntArray
+
+drop_stale_cache(__file__)
+
+
+class Compliance(NamedTuple):
+    """Compliance of the interfaces with given springs in them, in a step.
+
+    Attributes
+    ----------
+    blocks : (n_blocks, n_waves 3 n_rows, n_waves 3 n_rows) amplitude of the jump per unit amplitude of the force, m/N,
+        by circumferential block
+    dense : (3 n, 3 n) jump per unit traction, m/Pa, in single precision, for Newton's matrix
+    """
+
+    blocks: FloatArray
+    dense: np.ndarray
+
+
+class InterfaceOperator(NamedTuple):
+    """Matrices for the interface jump per unit modal coordinate and per unit traction, by circumferential block.
+
+    Attributes
+    ----------
+    starts : (n_blocks + 1,) index of the first mode of each block, then the number of modes
+    modal_jump : flat array; amplitude of the jump of every wave in each row of points per unit modal coordinate, block
+        after block
+    profiles : (3, n_blocks n_waves, n_theta) shape of the hoop, axial and normal components of each wave around a row
+    sticking : compliance F with the springs of the preload state
+    sliding : compliance without their tangential springs; empty if no point opens
+    """
+
+    starts: IntArray
+    modal_jump: FloatArray
+    profiles: FloatArray
+    sticking: Compliance
+    sliding: Compliance
+
+
+@numba.njit(cache=True)
+def gather(s, area, profiles, amplitudes):
+    """Circumferential amplitudes (n_blocks, n_waves 3 n_rows) of the contact forces area * s, for tractions s (3 n,).
+
+    They are sorted by wave, then by component (hoop, axial, normal), then by row. s is in Pa.
+    """
+    n, n_waves, n_theta = area.shape[0], profiles.shape[1], profiles.shape[2]
+    rows = n // n_theta
+    of_wave = amplitudes.reshape(n_waves, 3 * rows)  # a view
+    force = np.empty((rows, n_theta))
+    for c in range(3):
+        for row in range(rows):
+            for i in range(n_theta):
+                k = row * n_theta + i
+                force[row, i] = area[k] * s[contact_dof(k, c, n)]
+        projected = np.dot(force, profiles[c].T)
+        for b in range(n_waves):
+            for row in range(rows):
+                of_wave[b, c * rows + row] = projected[row, b]
+
+
+@numba.njit(cache=True)
+def scatter(amplitudes, profiles, out):
+    """Add to ``out`` the values (3 n,) at the contact points from their ``amplitudes`` (see `gather`)."""
+    n, n_waves, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
+    rows = n // n_theta
+    of_wave = amplitudes.reshape(n_waves, 3 * rows)
+    part = np.empty((rows, n_waves))
+    for c in range(3):
+        for b in range(n_waves):
+            for row in range(rows):
+                part[row, b] = of_wave[b, c * rows + row]
+        values = np.dot(part, profiles[c])
+        for row in range(rows):
+            for i in range(n_theta):
+                k = row * n_theta + i
+                out[contact_dof(k, c, n)] += values[row, i]
+
+
+@numba.njit(cache=True)
+def add_response(s, area, profiles, blocks, amplitudes, out):
+    """Add to ``out`` (3 n,) the jump due to tractions s (3 n,), Pa, for a compliance in ``blocks``."""
+    gather(s, area, profiles, amplitudes)
+    for b in range(blocks.shape[0]):
+        amplitudes[b] = np.dot(blocks[b], amplitudes[b])
+    scatter(amplitudes, profiles, out)
+
+
+@numba.njit(cache=True)
+def add_free_jump(q, interface, amplitudes, out):
+    """Add to ``out`` (3 n,) the jump due to modal coordinates q (r,)."""
+    size, starts = amplitudes.shape[1], interface.starts
+    for b in range(amplitudes.shape[0]):
+        first, last = starts[b], starts[b + 1]
+        block = interface.modal_jump[size * first : size * last].reshape(size, last - first)
+        amplitudes[b] = np.dot(block, q[first:last])
+    scatter(amplitudes, interface.profiles, out)
+
+
+@numba.njit(cache=True)
+def modal_force(s, area, interface, amplitudes, force):
+    """Fill ``force`` (r,) with the modal force of the traction correction s: G^T W s in modal coordinates."""
+    gather(s, area, interface.profiles, amplitudes)
+    size, starts = amplitudes.shape[1], interface.starts
+    for b in range(amplitudes.shape[0]):
+        first, last = starts[b], starts[b + 1]
+        block = interface.modal_jump[size * first : size * last].reshape(size, last - first)
+        force[first:last] = np.dot(amplitudes[b], block)
