@@ -226,16 +226,29 @@ def test_a_module_that_a_page_names_is_the_command(module: str) -> None:
     assert "validate" in done.stdout
 
 
-@pytest.mark.parametrize("command", [line for line in every("") if " -m pytest " in line], ids=str)
-def test_the_tests_that_a_command_names_are_found(command: str) -> None:
-    words = shlex.split(bare(command).replace("tests/ROOM", "tests/contact"))
+COLLECT = """import contextlib, io, json, sys, pytest
+for words in json.loads(sys.argv[1]):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        code = pytest.main([*words, "--collect-only"])
+    print(json.dumps([int(code), out.getvalue()[-2000:]]))
+"""
+"""Collects the tests of several commands in one process, which imports them once."""
+
+
+def test_the_tests_that_the_commands_name_are_found() -> None:
+    named = [line for line in every("") if " -m pytest " in line]
+    assert len(named) > 5
+    words = [shlex.split(bare(line).replace("tests/ROOM", "tests/contact"))[3:] for line in named]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}  # a plugin may change the assertions
     done = subprocess.run(
-        [sys.executable, *words[1:], "--collect-only"], cwd=ROOT, env=environment, capture_output=True, text=True,
+        [sys.executable, "-c", COLLECT, json.dumps(words)], cwd=ROOT, env=environment, capture_output=True, text=True,
         check=False,
     )  # fmt: skip
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    assert re.search(r"[1-9]\d*(/\d+)? tests collected", done.stdout), done.stdout[-2000:]
+    found = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(found) == len(named), done.stdout[-2000:] + done.stderr[-2000:]
+    for command, (code, text) in zip(named, found, strict=True):
+        assert code == 0, f"{command}: {text}"
+        assert re.search(r"[1-9]\d*(/\d+)? tests collected", text), f"{command}: {text}"
 
 
 # --- what is shown runs -----------------------------------------------------------------------------------------------
