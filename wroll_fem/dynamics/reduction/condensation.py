@@ -138,7 +138,7 @@ class Condensation:
         return blocks, spread(blocks, self.profiles, area)
 
     def sliding_compliance(self, blocks: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """`compliance` without the tangential springs of the interfaces, from its ``blocks``."""
+        """What `compliance` returns, without the tangential springs; ``blocks`` are those that it returned."""
         found = without_tangential_springs(blocks, self.profiles, self.springs, area)
         return found, spread(found, self.profiles, area)
 

@@ -38,7 +38,7 @@ class InterfaceOperator(NamedTuple):
         after block
     profiles : (3, n_blocks n_waves, n_theta) shape of the hoop, axial and normal components of each wave around a row
     sticking : compliance F with the springs of the preload state
-    sliding : compliance without their tangential springs; empty if no point opens
+    sliding : compliance without their tangential springs; empty until enough points have been open
     """
 
     starts: IntArray
@@ -49,7 +49,7 @@ class InterfaceOperator(NamedTuple):
 
 
 @numba.njit(cache=True)
-def gather(s, area, profiles, amplitudes):
+def _gather(s, area, profiles, amplitudes):
     """Circumferential amplitudes (n_blocks, n_waves 3 n_rows) of the contact forces area * s, for tractions s (3 n,).
 
     They are sorted by wave, then by component (hoop, axial, normal), then by row. s is in Pa.
@@ -70,8 +70,8 @@ def gather(s, area, profiles, amplitudes):
 
 
 @numba.njit(cache=True)
-def scatter(amplitudes, profiles, out):
-    """Add to ``out`` the values (3 n,) at the contact points from their ``amplitudes`` (see `gather`)."""
+def _scatter(amplitudes, profiles, out):
+    """Add to ``out`` the values (3 n,) at the contact points from their ``amplitudes`` (see `_gather`)."""
     n, n_waves, n_theta = out.shape[0] // 3, profiles.shape[1], profiles.shape[2]
     rows = n // n_theta
     of_wave = amplitudes.reshape(n_waves, 3 * rows)
@@ -89,11 +89,14 @@ def scatter(amplitudes, profiles, out):
 
 @numba.njit(cache=True)
 def add_response(s, area, profiles, blocks, amplitudes, out):
-    """Add to ``out`` (3 n,) the jump due to tractions s (3 n,), Pa, for a compliance in ``blocks``."""
-    gather(s, area, profiles, amplitudes)
+    """Add to ``out`` (3 n,) the jump in m due to tractions s (3 n,) in Pa; ``blocks`` as in `Compliance`.
+
+    ``amplitudes`` (n_blocks, n_waves 3 n_rows) is a work array.
+    """
+    _gather(s, area, profiles, amplitudes)
     for b in range(blocks.shape[0]):
         amplitudes[b] = np.dot(blocks[b], amplitudes[b])
-    scatter(amplitudes, profiles, out)
+    _scatter(amplitudes, profiles, out)
 
 
 @numba.njit(cache=True)
@@ -104,13 +107,13 @@ def add_free_jump(q, interface, amplitudes, out):
         first, last = starts[b], starts[b + 1]
         block = interface.modal_jump[size * first : size * last].reshape(size, last - first)
         amplitudes[b] = np.dot(block, q[first:last])
-    scatter(amplitudes, interface.profiles, out)
+    _scatter(amplitudes, interface.profiles, out)
 
 
 @numba.njit(cache=True)
-def modal_force(s, area, interface, amplitudes, force):
+def fill_modal_force(s, area, interface, amplitudes, force):
     """Fill ``force`` (r,) with the modal force of the traction correction s: G^T W s in modal coordinates."""
-    gather(s, area, interface.profiles, amplitudes)
+    _gather(s, area, interface.profiles, amplitudes)
     size, starts = amplitudes.shape[1], interface.starts
     for b in range(amplitudes.shape[0]):
         first, last = starts[b], starts[b + 1]

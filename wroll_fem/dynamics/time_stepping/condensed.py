@@ -42,8 +42,8 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions, Stepper
 from wroll_fem.dynamics.time_stepping.uniqueness import check_step_uniqueness
 from wroll_fem.typing import FloatArray
 
-WIDELY_OPEN = 0.02
-"""Share of the points that have been open, above which Newton's matrix may start from springs that slide."""
+LEAST_OPEN = 0.02
+"""Share of the points that have been open, above which Newton's matrix may start without tangential springs."""
 
 _NOTHING = Compliance(np.zeros((0, 0, 0)), np.zeros((0, 0), np.float32))
 
@@ -114,7 +114,7 @@ class CondensedStepper(Stepper):
     @property
     def _opens(self) -> bool:
         """Whether enough points have been open for Newton's matrix to be smaller without tangential springs."""
-        return bool(np.mean(self.accumulated.opening.open_time > 0.0) > WIDELY_OPEN) if self.system.n_points else False
+        return bool(np.mean(self.accumulated.opening.open_time > 0.0) > LEAST_OPEN) if self.system.n_points else False
 
     def try_steps(self, acceleration: FloatArray, dt: float, records: FloatArray) -> int:
         """Advance in the compiled loop; see `Stepper.try_steps`."""

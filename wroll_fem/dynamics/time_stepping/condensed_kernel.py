@@ -20,7 +20,7 @@ from wroll_fem.dynamics.reduction import interface_operator
 from wroll_fem.dynamics.reduction.interface_operator import (
     add_free_jump,
     add_response,
-    modal_force,
+    fill_modal_force,
 )
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
@@ -209,11 +209,11 @@ def _factored(tangent, springs, status, included, interface):
 
 @numba.njit(cache=True)
 def _newton_step(factors, interface, area, springs, rho, amplitudes, delta):
-    r"""Fill ``delta`` with the Newton step :math:`-(I + F (D - D_0))^{-1} \rho`.
+    """Fill ``delta`` (3 n,), m, with the Newton step -(I + F (D - D_0))^{-1} rho for the residual ``rho`` (3 n,), m.
 
-    F is the compliance with the springs D_0, D the contact tangent. Without the tangential springs T of D_0 the
-    compliance is F_1 and the change Delta = D - D_0 + T. Then the step is -rho - F_1 (T rho + y), with
-    (I + Delta F_1) y = -Delta (rho + F_1 T rho). Otherwise T is zero, and F_1 is F.
+    F is the compliance with the springs D_0, D the contact tangent. If the factors `slides`, the compliance is F_1,
+    without the tangential springs T of D_0, and the stiffness change is Delta = D - D_0 + T. The step is then
+    -rho - F_1 (T rho + y) with (I + Delta F_1) y = -Delta (rho + F_1 T rho); see docs/theory.md.
     """
     active, change = factors.active, factors.change
     m, n = active.shape[0], area.shape[0]
@@ -313,7 +313,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                 fresh = False
             if not converged:
                 return number
-            modal_force(s, area, interface, amplitudes, force)
+            fill_modal_force(s, area, interface, amplitudes, force)
         ends = acceleration[number : number + 2]
         commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
         if n > 0:
