@@ -24,11 +24,11 @@ from wroll_fem import load_case
 from wroll_fem.analyses.harmonic import condensed_structure
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.blas import one_thread
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.point_sample import Motions, sampled
 from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training.enrichment import trained_response
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.numerics.continuation import StepControl

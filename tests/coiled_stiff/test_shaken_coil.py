@@ -18,9 +18,9 @@ from wroll_fem.analyses import run_analysis, slip_modes, slip_path
 from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.analyses.slip_modes import path_span
 from wroll_fem.case import load_case
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.path_span.span import ModalMotion, PathSpan
 from wroll_fem.dynamics.periodic.response import response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.time_stepping.reduced import ReducedStepper
 from wroll_fem.dynamics.training import correction as corrections
 from wroll_fem.dynamics.training.structure import Structure

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from wroll_fem.coiled_stiff.shear_points import ShearPoints
 from wroll_fem.coiled_stiff.slipping_coil import shear_interface
 from wroll_fem.contact.point import tangentials
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_springs import stick_springs

@@ -13,9 +13,9 @@ import wroll_fem as wf
 from wroll_fem.analyses.followed_mode import axisymmetric_mode
 from wroll_fem.analyses.slip_structure import slipping_structure
 from wroll_fem.case import SlipDampingCase, load_case
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.response import response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.path_modes import path_modes
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.load_path import LoadPath

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.sampling import Sampling
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.errors import InputError
 from wroll_fem.two_dof import (
     ARRANGEMENTS,

@@ -12,6 +12,8 @@ import scipy.sparse as sp
 import xarray as xr
 from scipy.integrate import quad
 
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.joints import (
     BoucWen,
     Coulomb,
@@ -23,10 +25,8 @@ from wroll_fem.dynamics.joints import (
     joint_force,
     with_joints,
 )  # fmt: skip
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import condense
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_springs import stick_springs

@@ -10,10 +10,10 @@ import scipy.sparse as sp
 from support.exact_systems import coulomb_oscillator, slipping_pair
 from support.periodic import TURN, balance, complete, small_roll, trained_roll
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.backbone import ModalMotion, solve_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, solve_motion
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training.enrichment import _BackboneTask, trained_backbone
 
 

@@ -7,8 +7,8 @@ import pytest
 from support.exact_systems import coulomb_oscillator, lifting_mass
 from support.periodic import TURN, complete
 
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.response import solve_response
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.continuation import StepControl
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from support.periodic import small_roll
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions, sample_error, sampled
 from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.training.structure import Structure

@@ -11,13 +11,13 @@ import pytest
 from support.periodic import small_roll, trained_roll
 
 from wroll_fem.analyses.curve_reading import unbounded_reading
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic import causes
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
 from wroll_fem.dynamics.periodic.causes import with_cause
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.training import enrichment
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.enrichment import trained_response

@@ -16,9 +16,9 @@ import xarray as xr
 
 from wroll_fem.bodies.stress import ShellStress
 from wroll_fem.case.structural import OnRoll
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.typing import FloatArray

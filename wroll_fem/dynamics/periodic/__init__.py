@@ -1,1 +1,1 @@
-"""Periodic motions: harmonic balance with the alternating frequency/time method, and backbone curves."""
+"""Periodic motions: response curves and backbones by harmonic balance."""

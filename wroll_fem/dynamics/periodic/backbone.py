@@ -24,9 +24,9 @@ import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
 from wroll_fem.contact.point import normals
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, ScaledMotions
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.errors import ConvergenceError, InputError

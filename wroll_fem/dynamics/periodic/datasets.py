@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from wroll_fem.contact.point import normals
+from wroll_fem.dynamics.aft import kernel
 from wroll_fem.dynamics.joints.loops import loops
-from wroll_fem.dynamics.periodic import aft_kernel as kernel
 from wroll_fem.dynamics.periodic.harmonic_balance import CycleWork, HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.system.system import System

@@ -1,8 +1,8 @@
 r"""Hyper-reduction: a weighted subset of the contact points gives the contact forces of a reduced model.
 
-Where all points stick, the reduced model is linear and exact. Only the traction corrections s (`aft`), which vanish at
-sticking points, have to be sampled. Point k with area w_k contributes :math:`w_k (G_k \Phi)^T s_k` to the generalised
-forces. Of given motions, the nonnegative factors :math:`\xi_k`, most of them zero, are such that
+Where all points stick, the reduced model is linear and exact. Only the traction corrections s (`harmonic_contact`),
+which vanish at sticking points, have to be sampled. Point k with area w_k contributes :math:`w_k (G_k \Phi)^T s_k` to
+the generalised forces. Of given motions, the nonnegative factors :math:`\xi_k`, most of them zero, are such that
 
 .. math:: \sum_k \xi_k w_k (G_k \Phi)^T s_k \approx \sum_k w_k (G_k \Phi)^T s_k
 
@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact, PeriodicContact
 from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.numerics.nonnegative import sparse_nonnegative
 from wroll_fem.typing import FloatArray

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS, HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.branches import STEEP, Branches
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
@@ -16,7 +17,6 @@ from wroll_fem.dynamics.periodic.harmonic_balance import (
     HarmonicBalance,
     solve_motion,
 )
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError

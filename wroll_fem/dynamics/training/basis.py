@@ -13,8 +13,8 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg as la
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.reduction.condensation import Condensation

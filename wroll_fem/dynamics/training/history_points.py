@@ -9,10 +9,10 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import MAX_PERIODS
+from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.point_sample import Motions, sampled
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError, sample_error, sampled
 from wroll_fem.dynamics.periodic.response import HarmonicCurve

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from wroll_fem.contact.laws import PointLaws
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.every_mode import ModeMaps
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.sampling import Sampling
+from wroll_fem.dynamics.aft.every_mode import ModeMaps
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel

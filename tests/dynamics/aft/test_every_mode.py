@@ -7,10 +7,10 @@ import pytest
 from support.periodic import small_roll
 from support.twisted_wall import TWISTED
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.every_mode import FAR, EveryMode
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.sampling import Sampling
+from wroll_fem.dynamics.aft.every_mode import FAR, EveryMode
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, contact_jump, modal_force
 
 

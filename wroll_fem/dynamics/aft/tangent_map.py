@@ -1,10 +1,10 @@
-"""Derivative of the contact forces of a periodic motion as a linear map, without its matrix (see `aft`)."""
+"""Derivative of the contact forces of a periodic motion as a linear map, without its matrix."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact, PeriodicContact
 from wroll_fem.typing import FloatArray
 
 

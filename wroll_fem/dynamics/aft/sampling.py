@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wroll_fem.dynamics.periodic.aft_kernel import Products, Series
+from wroll_fem.dynamics.aft.kernel import Products, Series
 from wroll_fem.errors import InputError
 from wroll_fem.typing import FloatArray
 

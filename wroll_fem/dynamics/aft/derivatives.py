@@ -1,4 +1,4 @@
-"""Compiled derivatives of the contact tractions of a period with respect to the motion (see `aft`).
+"""Compiled derivatives of the contact tractions of a period with respect to the motion (see `harmonic_contact`).
 
 They are exact, and include the dependence on the slip history. A point that never slid has none: each of its
 derivatives is a product of two periodic functions, known from the Fourier coefficients of one of them.
@@ -33,15 +33,15 @@ axial traction with respect to the gap at constant elastic slip, and of the norm
 def derivatives(points, path, hysteresis, reference, laws, series, products, blocks, by_frequency):
     """Derivatives of Fourier coefficients, ds/dg. s: traction minus the traction of the stuck interface; g: motion.
 
-    They are exact and include the dependence of s on the slip history (s: see `aft_kernel.correction`).
+    They are exact and include the dependence of s on the slip history (s: see `kernel.correction`).
 
     Parameters
     ----------
     points : (a,) indices of the points
-    path, reference : `aft_kernel.SampledMotion`, `contact.kernels.Reference`
-    hysteresis : `aft_kernel.Hysteresis` of the same motion; the elastic slip of a point that never slid changes as its
+    path, reference : `kernel.SampledMotion`, `contact.kernels.Reference`
+    hysteresis : `kernel.Hysteresis` of the same motion; the elastic slip of a point that never slid changes as its
         motion does
-    series, products : `aft_kernel.Series`, `aft_kernel.Products`
+    series, products : `kernel.Series`, `kernel.Products`
     blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
     by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
         fixed coefficients, Pa; it is nonzero for laws that depend on the slip rate
@@ -106,7 +106,7 @@ def _factors_in_stick(k, path, reference, laws, factors):
 
 @numba.njit(cache=True)
 def _fill_products(block, sums, orders, moved):
-    """Store the derivatives that are products of a factor and the motion. ``sums``: see `aft_kernel.Products`."""
+    """Store the derivatives that are products of a factor and the motion. ``sums``: see `kernel.Products`."""
     size, half = orders.shape[0], sums.shape[0] // 2
     for r in range(size):
         a, share = orders[r], 0.5 if r > 0 else 0.25

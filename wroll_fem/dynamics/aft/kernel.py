@@ -1,9 +1,9 @@
-"""Compiled part of the harmonic balance: contact laws during one period (see `aft`).
+"""Compiled part of the harmonic balance: contact laws during one period (see `harmonic_contact`).
 
 The motion of a point relative to the preload state is known at N phases of the period (`SampledMotion`). The elastic
 slip starts from the preload state. In a first period the motion grows from zero (the ramp); whole periods follow until
 the elastic slip repeats. Tractions are those of the last period. The normal law is the penalty alone: a point that
-opens between two samples has no release traction (see `aft`).
+opens between two samples has no release traction (see `harmonic_contact`).
 """
 
 from __future__ import annotations

@@ -14,10 +14,10 @@ from wroll_fem.contact.bouc_wen import BoucWen
 from wroll_fem.contact.elastic_coulomb import ElasticCoulomb
 from wroll_fem.contact.rate_coulomb import RateCoulomb
 from wroll_fem.contact.smoothed_coulomb import SmoothedCoulomb
-from wroll_fem.dynamics.periodic import aft
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
+from wroll_fem.dynamics.aft import harmonic_contact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import solve_motion
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.enrichment import trained_response
 
@@ -101,7 +101,7 @@ def test_single_precision_of_the_newton_matrix_does_not_change_the_curve(monkeyp
     system, preload, condensation = small_roll(8, 3)
     places, sizes = np.linspace(141.0, 164.0, 200), []
     for unknowns in (0, 10**6):
-        monkeypatch.setattr(aft, "SINGLE", unknowns)
+        monkeypatch.setattr(harmonic_contact, "SINGLE", unknowns)
         found = trained_response(condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0))
         sizes.append(np.interp(places, found.curve.frequencies / TURN, np.abs(found.curve.transmissibility)))
     assert max(sizes[0]) > 10.0

@@ -9,7 +9,7 @@ traction: that traction makes the trapezoidal work of a time step exact, and sam
 the derivatives of the Fourier series at the samples, not differences between samples.
 
 The elastic slip starts from the preload state; periods are computed until it repeats (periodic hysteresis). The
-derivatives of all these periods are computed too (`aft_derivatives`), so that Newton's method has the exact Jacobian.
+derivatives of all these periods are computed too (`derivatives`), so that Newton's method has the exact Jacobian.
 
 References
 ----------
@@ -25,11 +25,11 @@ import numpy as np
 
 from wroll_fem.contact.kernels import PointLaws
 from wroll_fem.contact.point import contact_dofs, per_dof
-from wroll_fem.dynamics.periodic import aft_kernel as kernel
-from wroll_fem.dynamics.periodic.aft_derivatives import derivatives
-from wroll_fem.dynamics.periodic.every_mode import EveryMode, ModeMaps
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
-from wroll_fem.dynamics.periodic.sampling import Sampling, mean_phase, phase_slope
+from wroll_fem.dynamics.aft import kernel
+from wroll_fem.dynamics.aft.derivatives import derivatives
+from wroll_fem.dynamics.aft.every_mode import EveryMode, ModeMaps
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.sampling import Sampling, mean_phase, phase_slope
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState

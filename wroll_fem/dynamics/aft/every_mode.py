@@ -24,7 +24,7 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.contact.point import contact_dofs
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 

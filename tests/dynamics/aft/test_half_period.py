@@ -7,10 +7,10 @@ import pytest
 from support.periodic import small_roll, trained_roll
 from support.twisted_wall import TWISTED
 
-from wroll_fem.dynamics.periodic.aft import HarmonicContact
-from wroll_fem.dynamics.periodic.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
-from wroll_fem.dynamics.periodic.sampling import Sampling
 from wroll_fem.dynamics.reduction.reduced_model import modal_force
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.structure import Structure

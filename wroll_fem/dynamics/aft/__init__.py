@@ -1,0 +1,1 @@
+"""Alternating frequency/time method: contact laws during one period, and their derivatives."""
