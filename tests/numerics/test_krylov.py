@@ -30,6 +30,16 @@ def test_gmres_solves_for_arrays_to_its_tolerance(matrix: FloatArray) -> None:
     assert loose.residual == pytest.approx(left, rel=1e-6)
 
 
+def test_gmres_iterates_in_the_precision_of_the_right_side(matrix: FloatArray) -> None:
+    b, short = np.random.default_rng(3).normal(size=60).astype(np.float32), matrix.astype(np.float32)
+    found = gmres(lambda z: short @ z, b, tolerance=1e-5, iterations=60)
+    assert found.solution.dtype == np.float32
+    assert np.linalg.norm(matrix @ found.solution - b) < 2e-5 * np.linalg.norm(b)
+    same = gmres(lambda z: 2.0 * z, b, tolerance=1e-12, iterations=60)  # the space ends with its first vector
+    np.testing.assert_allclose(same.solution, 0.5 * b, rtol=1e-6)
+    assert same.projected.shape == (1, 1)
+
+
 def test_gmres_minimises_the_residual_over_the_krylov_space(matrix: FloatArray) -> None:
     b = np.random.default_rng(2).normal(size=60)
     space = np.column_stack([b, matrix @ b, matrix @ (matrix @ b)])

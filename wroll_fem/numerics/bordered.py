@@ -87,6 +87,13 @@ class Bordered:
         return found._replace(solution=self.solve(found.solution))
 
 
+def fill_scaled(out: np.ndarray, matrix: np.ndarray, scale: FloatArray) -> None:
+    """Fill ``out`` (n, n) with a ``matrix`` (n, n) of the same precision, rows and columns multiplied by ``scale``."""
+    own = scale.astype(matrix.dtype)  # numpy is slow where precisions differ
+    np.multiply(matrix, own, out=out)
+    out *= own[:, None]
+
+
 def newton_step(
     problem: CurveProblem, z: FloatArray, row: FloatArray, residual: FloatArray, kept: Bordered | None
 ) -> tuple[FloatArray, Bordered, bool]:

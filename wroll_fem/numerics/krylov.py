@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -14,18 +15,23 @@ ENOUGH = 0.5
 repeated once."""
 
 
+ROUNDING = 4.5
+"""Norm of a vector after orthogonalisation, divided by its norm before and by the rounding unit, at or below which the
+vector counts as a combination of the others."""
+
+
 class Solved(NamedTuple):
     """Solution by GMRES, its residual relative to the right-hand side, and the map in the basis of the k iterations.
 
     The eigenvalues of ``projected`` (k, k) approximate those eigenvalues of the map that the solution depends on.
     """
 
-    solution: FloatArray
+    solution: np.ndarray
     residual: float
     projected: FloatArray
 
 
-def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance: float, iterations: int) -> Solved:
+def gmres(apply: Callable[[np.ndarray], np.ndarray], b: np.ndarray, *, tolerance: float, iterations: int) -> Solved:
     """Solve ``apply(z) = b`` by GMRES without restart.
 
     A Krylov vector is orthogonalised a second time if the first orthogonalisation removes most of it. The small problem
@@ -36,7 +42,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     apply
         Linear map from arrays of the shape of ``b`` to arrays of the same shape.
     b
-        Right-hand side, of any shape.
+        Right-hand side, of any shape, in the precision in which to iterate.
     tolerance
         Norm of the residual, relative to the norm of ``b``, at or below which the iteration ends.
     iterations
@@ -50,20 +56,20 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     size = float(np.linalg.norm(b))
     if size == 0.0:  # also for a structure without interfaces
         return Solved(np.zeros_like(b), 0.0, np.zeros((0, 0)))
-    space = np.empty((iterations + 1, b.size))
+    space = np.empty((iterations + 1, b.size), b.dtype)
     space[0] = b.ravel() / size
     matrix = np.zeros((iterations + 1, iterations))
     triangle = np.zeros(iterations)  # column of the rotated matrix
     turns: list[tuple[float, float]] = []
-    left, count = size, 0
+    left, count, rounding = size, 0, ROUNDING * float(np.finfo(b.dtype).eps)
     while count < iterations and left > tolerance * size:
         w = apply(space[count].reshape(b.shape)).ravel().copy()
-        before, known = float(np.linalg.norm(w)), space[: count + 1]
+        before, known = math.sqrt(w @ w), space[: count + 1]
         for _ in range(2):
             part = known @ w
             w -= part @ known
             matrix[: count + 1, count] += part
-            rest = float(np.linalg.norm(w))
+            rest = math.sqrt(w @ w)
             if rest > ENOUGH * before:
                 break
         if not np.isfinite(rest):  # the solution so far is finite
@@ -74,7 +80,7 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
             triangle[k], triangle[k + 1] = c * triangle[k] + s * triangle[k + 1], c * triangle[k + 1] - s * triangle[k]
         length = float(np.hypot(triangle[count], rest))
         count += 1
-        if length == 0.0 or rest <= 1e-15 * before:  # the space contains the solution, or cannot be extended
+        if length == 0.0 or rest <= rounding * before:  # the space contains the solution, or cannot be extended
             break
         turns.append((triangle[count - 1] / length, rest / length))
         left *= rest / length
@@ -82,5 +88,5 @@ def gmres(apply: Callable[[FloatArray], FloatArray], b: FloatArray, *, tolerance
     target = np.zeros(count + 1)
     target[0] = size
     weights = np.linalg.lstsq(matrix[: count + 1, :count], target, rcond=None)[0]
-    solution = np.asarray(weights @ space[:count]).reshape(b.shape)
+    solution = np.asarray(weights.astype(b.dtype) @ space[:count]).reshape(b.shape)
     return Solved(solution, left / size, matrix[:count, :count])

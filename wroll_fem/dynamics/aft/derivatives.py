@@ -20,9 +20,12 @@ from wroll_fem.contact.point import (
     pressure,
     stick_change,
 )
+from wroll_fem.dynamics.aft import coulomb, coulomb_derivatives
+from wroll_fem.dynamics.aft.coulomb import COULOMB
+from wroll_fem.dynamics.aft.coulomb_derivatives import add_history
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 
-drop_stale_cache(__file__)
+drop_stale_cache(__file__, coulomb.__file__, coulomb_derivatives.__file__)
 
 STICK, HOOP_LIMIT, AXIAL_LIMIT, PENALTY = range(4)
 """Columns of the factors: derivatives of the tangential traction with respect to the elastic slip, of the hoop and the
@@ -42,41 +45,49 @@ def derivatives(points, path, hysteresis, reference, laws, series, products, blo
     hysteresis : `kernel.Hysteresis` of the same motion; the elastic slip of a point that never slid changes as its
         motion does
     series, products : `kernel.Series`, `kernel.Products`
-    blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m
+    blocks : output (a, 3, R, 3, R) d s_i,r / d g_j,q, order (hoop, axial, normal), Pa/m; zero before
     by_frequency : output (a, 2, R) derivative of the tangential s with respect to the logarithm of the frequency at
         fixed coefficients, Pa; it is nonzero for laws that depend on the slip rate
     """
     count, size = series.values.shape
-    n = laws.mu.shape[0]
-    factors, rows, gap_rows = np.zeros((count, 4)), np.zeros((count, 4 * size + 2)), np.zeros((count, 2 * size))
-    change = np.zeros((size, 6))
-    for index in range(points.shape[0]):
+    n, a = laws.mu.shape[0], points.shape[0]
+    factors, change, rows = np.zeros((count, 4 * a)), np.zeros((size, 6)), np.zeros((count, 4 * size + 2))
+    gap_rows = np.zeros((count, 2 * size))
+    coulomb_points, places, coulomb_count = np.empty(a, np.int64), np.empty(a, np.int64), 0
+    missing = np.zeros(a, np.int64)  # first coefficient by which the derivatives of a point that sticks are missing
+    for index in range(a):
         k = points[index]
-        moved, held = hysteresis.moved[k], laws.stick[k] > 0.0
-        if moved:
-            _follow_history(k, path, hysteresis.periods[k], reference, laws, series, change, factors, rows, gap_rows)
-        else:
-            _factors_in_stick(k, path, reference, laws, factors)
-        block = blocks[index]
-        sums = np.dot(products.project, factors)
-        _fill_products(block, sums, products.orders, moved)
-        if moved:
-            found = np.dot(series.project, rows)
+        mine, block = factors[:, 4 * index : 4 * index + 4], blocks[index]
+        if not hysteresis.moved[k] or laws.kind[k] == COULOMB:
+            _factors_of_slip(k, path, hysteresis.slip, reference, laws, mine)
+            if hysteresis.moved[k]:
+                coulomb_points[coulomb_count], places[coulomb_count], missing[index] = k, index, 1
+                coulomb_count += 1
+            continue
+        missing[index] = size
+        _follow_history(k, path, hysteresis.periods[k], reference, laws, series, change, mine, rows, gap_rows)
+        found = np.dot(series.project, rows)
+        for r in range(size):
+            for q in range(size):
+                for c in range(2):
+                    block[c, r, 0, q], block[c, r, 1, q] = found[r, 4 * q + 2 * c], found[r, 4 * q + 2 * c + 1]
+            by_frequency[index, 0, r] = found[r, 4 * size]
+            by_frequency[index, 1, r] = found[r, 4 * size + 1]
+        if laws.stick[k] > 0.0:
+            found = np.dot(series.project, gap_rows)
             for r in range(size):
                 for q in range(size):
-                    for c in range(2):
-                        block[c, r, 0, q], block[c, r, 1, q] = found[r, 4 * q + 2 * c], found[r, 4 * q + 2 * c + 1]
-                by_frequency[index, 0, r] = found[r, 4 * size]
-                by_frequency[index, 1, r] = found[r, 4 * size + 1]
-            if held:
-                found = np.dot(series.project, gap_rows)
-                for r in range(size):
-                    for q in range(size):
-                        block[0, r, 2, q] += found[r, 2 * q]
-                        block[1, r, 2, q] += found[r, 2 * q + 1]
+                    block[0, r, 2, q], block[1, r, 2, q] = found[r, 2 * q], found[r, 2 * q + 1]
+    add_history(
+        coulomb_points[:coulomb_count], places, path, hysteresis.periods, reference, laws, series, factors, blocks
+    )
+    sums = np.dot(products.project, factors)
+    for index in range(a):
+        block = blocks[index]
+        _add_products(block, sums[:, 4 * index : 4 * index + 4], products.orders, missing[index])
         for r in range(size):
             for c in range(3):
-                block[c, r, c, r] -= reference.springs[contact_dof(k, c, n)]
+                block[c, r, c, r] -= reference.springs[contact_dof(points[index], c, n)]
 
 
 @numba.njit(cache=True, inline="always")
@@ -92,21 +103,24 @@ def _factors_at(gn, kn, separates, stick, held):
 
 
 @numba.njit(cache=True)
-def _factors_in_stick(k, path, reference, laws, factors):
-    """Factors (N, 4) of a point that never slid."""
+def _factors_of_slip(k, path, slip, reference, laws, factors):
+    """Factors (N, 4) of a point with the elastic ``slip`` (2 n, N), m."""
     n = laws.mu.shape[0]
     h, z, r = hoop(k), axial(k), normal(k, n)
-    motion, e_h, e_z, g_0 = path.motion, reference.elastic_slip[h], reference.elastic_slip[z], reference.jump[r]
+    motion, g_0 = path.motion, reference.jump[r]
     stick, held, kn, separates = stick_change(k, 1.0, laws), laws.stick[k], laws.kn[k], laws.separation[k]
     for j in range(factors.shape[0]):
         kt, slope, stiffness = _factors_at(g_0 + motion[r, j], kn, separates, stick, held)
         factors[j, STICK], factors[j, PENALTY] = kt, stiffness
-        factors[j, HOOP_LIMIT], factors[j, AXIAL_LIMIT] = slope * (e_h + motion[h, j]), slope * (e_z + motion[z, j])
+        factors[j, HOOP_LIMIT], factors[j, AXIAL_LIMIT] = slope * slip[h, j], slope * slip[z, j]
 
 
 @numba.njit(cache=True)
-def _fill_products(block, sums, orders, moved):
-    """Store the derivatives that are products of a factor and the motion. ``sums``: see `kernel.Products`."""
+def _add_products(block, sums, orders, missing):
+    """Add the derivatives that are products of a factor and the motion. ``sums``: see `kernel.Products`.
+
+    From the coefficient ``missing`` on, the elastic slip changes as the motion does, apart from what was added before.
+    """
     size, half = orders.shape[0], sums.shape[0] // 2
     for r in range(size):
         a, share = orders[r], 0.5 if r > 0 else 0.25
@@ -120,13 +134,12 @@ def _fill_products(block, sums, orders, moved):
                 first, second = half + far, half + near
                 sign = share if sine == (a >= b) else -share
             both = share * sums[first, STICK] + sign * sums[second, STICK]
-            if not moved:
-                block[0, r, 0, q] = block[1, r, 1, q] = both
-                block[0, r, 1, q] = block[1, r, 0, q] = 0.0
-            block[0, r, 2, q] = share * sums[first, HOOP_LIMIT] + sign * sums[second, HOOP_LIMIT]
-            block[1, r, 2, q] = share * sums[first, AXIAL_LIMIT] + sign * sums[second, AXIAL_LIMIT]
-            block[2, r, 2, q] = share * sums[first, PENALTY] + sign * sums[second, PENALTY]
-            block[2, r, 0, q] = block[2, r, 1, q] = 0.0
+            if q >= missing:
+                block[0, r, 0, q] += both
+                block[1, r, 1, q] += both
+            block[0, r, 2, q] += share * sums[first, HOOP_LIMIT] + sign * sums[second, HOOP_LIMIT]
+            block[1, r, 2, q] += share * sums[first, AXIAL_LIMIT] + sign * sums[second, AXIAL_LIMIT]
+            block[2, r, 2, q] += share * sums[first, PENALTY] + sign * sums[second, PENALTY]
 
 
 @numba.njit(cache=True)

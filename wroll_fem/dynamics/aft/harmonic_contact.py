@@ -24,11 +24,13 @@ from functools import cached_property
 import numpy as np
 
 from wroll_fem.contact.kernels import PointLaws
-from wroll_fem.contact.point import contact_dofs, per_dof
+from wroll_fem.contact.point import contact_dofs, normals, per_dof
 from wroll_fem.dynamics.aft import kernel
+from wroll_fem.dynamics.aft.coulomb import COULOMB
 from wroll_fem.dynamics.aft.derivatives import derivatives
 from wroll_fem.dynamics.aft.every_mode import EveryMode, ModeMaps
 from wroll_fem.dynamics.aft.half_period import HalfPeriod
+from wroll_fem.dynamics.aft.matrix import Unknowns, fill_matrix
 from wroll_fem.dynamics.aft.sampling import Sampling, mean_phase, phase_slope
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -65,6 +67,7 @@ class PeriodicContact:
 
     Attributes
     ----------
+    jump_coefficients : (3 n, R) Fourier coefficients of g - g_0, m
     shift : shift of the samples (in samples), see `HarmonicContact.shift`
     series : Fourier series at the samples
     sampled : motion at the samples
@@ -75,6 +78,7 @@ class PeriodicContact:
     pressure_change : (n,) largest change of the pressure, relative to the preload pressure
     """
 
+    jump_coefficients: FloatArray
     shift: float
     series: kernel.Series
     sampled: kernel.SampledMotion
@@ -83,6 +87,11 @@ class PeriodicContact:
     coefficients: FloatArray
     open: BoolArray
     pressure_change: FloatArray
+
+    @property
+    def rate(self) -> FloatArray:
+        """(3 n, N) change of the motion per sample, m."""
+        return np.asarray(self.jump_coefficients @ self.series.velocities.T)
 
     @property
     def periodicity_error(self) -> float:
@@ -150,6 +159,7 @@ class HarmonicContact:
         self.jump = np.ascontiguousarray(model.jump[self.own])
         self.force_operator = np.ascontiguousarray((self.jump * self.weights[:, None]).T)
         self.dofs = contact_dofs(self.n)
+        self._rated = bool((self.laws.kind != COULOMB).any())
         self.groups = self._groups()
 
     def _groups(self) -> list[tuple[IntArray, IntArray]]:
@@ -232,13 +242,18 @@ class HarmonicContact:
         precision = np.float32 if len(self.active) >= SINGLE else np.float64
         return self.force_operator.astype(precision, copy=False), self.jump.astype(precision, copy=False)
 
+    @cached_property
+    def _unknowns(self) -> Unknowns:
+        operator, jump = self.newton_operators
+        return Unknowns.of(self.groups, jump, operator)
+
     def evaluate(self, jump_coefficients: FloatArray, frequency: float) -> PeriodicContact:
         """Contact during a period at ``frequency`` (rad/s) for Fourier coefficients (3 n, R) of the jump, m."""
         n, s = self.n, self.sampling
         shift = self.shift(jump_coefficients)
         series, ramp, ramp_rate = s.shifted(shift)
-        motion = np.ascontiguousarray(jump_coefficients @ series.values.T)
-        rate = np.ascontiguousarray(jump_coefficients @ series.velocities.T)
+        motion = jump_coefficients @ series.values.T
+        rate = jump_coefficients @ series.velocities.T if self._rated else np.zeros((0, 0))
         path = kernel.SampledMotion(motion, rate, ramp, ramp_rate, 2.0 * np.pi / (frequency * s.samples))
         hysteresis = kernel.Hysteresis(
             slip=np.empty((2 * n, s.samples)), sliding=np.empty((n, s.samples), np.bool_),
@@ -246,10 +261,19 @@ class HarmonicContact:
         )  # fmt: skip
         kernel.iterate_to_periodic(path, self.reference, self.laws, self.max_periods, PERIODIC, hysteresis)
         correction, is_open = np.empty((3 * n, s.samples)), np.empty((n, s.samples), np.bool_)
-        pressure_change = np.zeros(n)
-        kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open, pressure_change)
-        harmonics = correction @ series.project.T
-        return PeriodicContact(shift, series, path, hysteresis, correction, harmonics, is_open, pressure_change)
+        kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open)
+        harmonics, change = correction @ series.project.T, self._pressure_change(normals(motion))
+        return PeriodicContact(
+            jump_coefficients, shift, series, path, hysteresis, correction, harmonics, is_open, change
+        )
+
+    def _pressure_change(self, motion: FloatArray) -> FloatArray:
+        """(n,) largest change of the pressure relative to the preload, from the normal ``motion`` (n, N), m."""
+        preload = np.maximum(-normals(self.reference.traction), 0.0)
+        gap = normals(self.reference.jump)
+        ends = (np.maximum(-self.laws.kn * (gap + end), 0.0) for end in (motion.min(axis=1), motion.max(axis=1)))
+        largest = np.maximum(*(np.abs(pressure - preload) for pressure in ends))
+        return np.divide(largest, preload, out=np.full(self.n, np.inf), where=preload > 0.0)
 
     def shift(self, jump_coefficients: FloatArray) -> float:
         """Shift of the samples, -1/2 to 1/2 sample, that places one of them where the slip of a roll turns back.
@@ -327,29 +351,19 @@ class HarmonicContact:
 
         Unknowns and equations are in the order of `active`. From `SINGLE` unknowns on the matrix has single precision.
         """
-        size, count = self.sampling.size, len(self.active)
+        count = len(self.active)
         points, blocks, by_frequency = self.weighted_blocks(contact, threshold)
-        operator, jumps = self.newton_operators
-        precision = operator.dtype
-        matrix, by_log = np.zeros((count, count), precision), np.zeros((size, self.model.size))
+        precision = self.newton_operators[0].dtype
+        matrix, by_log = np.zeros((count, count), precision), np.zeros((self.sampling.size, self.model.size))
         if len(points) == 0:
             return matrix, by_log
-        a, dofs, blocks = len(points), self.dofs[points], blocks.astype(precision, copy=False)
-        ends = np.cumsum([0, *(len(rows) * len(columns) for rows, columns in self.groups)])
-        filled = [(g, *group) for g, group in enumerate(self.groups) if len(group[1])]
-        for g, rows, columns in filled:
-            left = operator[np.ix_(columns, dofs.ravel())]  # (m, 3 a)
-            for h, others, shapes in filled:
-                part = blocks if len(self.groups) == 1 else blocks[:, :, rows][..., others]
-                inner = len(rows) * len(others)
-                jump = jumps[dofs[:, :, None], shapes]  # (a, 3, m)
-                # (a, 3 R R, 3) @ (a, 3, m): traction of each point per unit reduced coordinate
-                right = part.transpose(0, 1, 2, 4, 3).reshape(a, 3 * inner, 3) @ jump
-                full = (left @ right.reshape(3 * a, inner * len(shapes))).reshape(len(columns), len(rows), -1)
-                place = matrix[ends[g] : ends[g + 1]].reshape(len(rows), len(columns), count)
-                place[:, :, ends[h] : ends[h + 1]] = full.transpose(1, 0, 2)
-            tangential = left.reshape(len(columns), a, 3)[:, :, :2].reshape(len(columns), 2 * a)
-            by_log[np.ix_(rows, columns)] = (tangential @ by_frequency.reshape(2 * a, size)[:, rows]).T
+        dofs = self.dofs[points]
+        fill_matrix(dofs, blocks.astype(precision, copy=False), self._unknowns, matrix)
+        if by_frequency.any():  # laws that depend on the slip rate
+            along = dofs[:, :2].ravel()
+            forces = self.force_operator[:, along] @ by_frequency.reshape(len(along), -1)
+            for place in self._places:
+                by_log[place] = forces.T[place]
         return matrix, by_log
 
     def add_shift(self, matrix: np.ndarray, coefficients: FloatArray, contact: PeriodicContact) -> None:
@@ -363,13 +377,13 @@ class HarmonicContact:
             return
         turned = self._active_turn(coefficients).astype(matrix.dtype)
         by_angle = matrix @ turned - self._active_turn(self.force(contact))
-        by_motion = self.shift_slope(coefficients).ravel()[self.active]
+        by_motion = self.shift_slope(contact).ravel()[self.active]
         matrix += np.outer(by_angle.astype(matrix.dtype), by_motion.astype(matrix.dtype))
 
-    def shift_slope(self, coefficients: FloatArray) -> FloatArray:
+    def shift_slope(self, contact: PeriodicContact) -> FloatArray:
         """(R, m) derivative of the angle of the `shift` with respect to the coefficients (R, m) of the motion."""
         out = np.zeros((self.sampling.size, self.model.size))
-        out[1:3] = phase_slope(*self._fundamental(self.motion(coefficients))) @ self.jump[: 2 * self.n]
+        out[1:3] = phase_slope(*self._fundamental(contact.jump_coefficients)) @ self.jump[: 2 * self.n]
         return out
 
     def turn(self, coefficients: FloatArray) -> FloatArray:

@@ -17,7 +17,6 @@ from wroll_fem.contact import point
 from wroll_fem.contact.laws import slip_update
 from wroll_fem.contact.point import (
     axial,
-    contact_dof,
     hoop,
     is_closed,
     modulation_work,
@@ -27,10 +26,12 @@ from wroll_fem.contact.point import (
     stick_change,
     tangential_work,
 )
+from wroll_fem.dynamics.aft import coulomb
+from wroll_fem.dynamics.aft.coulomb import slide_to_periodic, sort_points
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
 
-drop_stale_cache(__file__)
+drop_stale_cache(__file__, coulomb.__file__)
 
 
 class SampledMotion(NamedTuple):
@@ -39,7 +40,7 @@ class SampledMotion(NamedTuple):
     Attributes
     ----------
     motion, rate : (3 n, N) relative displacement from the preload state at phases 2 pi j / N, and its change
-        per sample (velocity times ``dt``), m
+        per sample (velocity times ``dt``), m; no rates, (0, 0), if all points have Coulomb friction
     ramp, ramp_rate : (N + 1,) factor on the motion in the first period and its change per sample
     dt : time per sample, s
     """
@@ -112,21 +113,24 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
     motion, rate, ramp, ramp_rate, dt = path
     slip, sliding, moved, periods, change = out
     n, count = sliding.shape
-    for k in range(n):
+    together, rest = sort_points(path, reference, laws, out)
+    if together.shape[0] > 0:
+        slide_to_periodic(together, path, reference, laws, max_periods, tolerance, out)
+    for k in rest:
         h, z, r = hoop(k), axial(k), normal(k, n)
         eh, ez = reference.elastic_slip[h], reference.elastic_slip[z]
         before_h = before_z = p = 0.0
         g_0, kn, separates, pressed = reference.jump[r], laws.kn[k], laws.separation[k], laws.stick[k] > 0.0
         moved[k] = not laws.sticks[k]
-        exact, elastic = laws.exact_increment[k], laws.elastic[k]
+        by_rate, elastic = not laws.exact_increment[k] and laws.kind[k] != coulomb.COULOMB, laws.elastic[k]
         for i in range(1, count + 1):
             j = i % count
             now_h, now_z = ramp[i] * motion[h, j], ramp[i] * motion[z, j]
             th, tz = eh + now_h - before_h, ez + now_z - before_z
-            vh = ramp[i] * rate[h, j] + ramp_rate[i] * motion[h, j]
-            vz = ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j]
-            if exact:
-                vh, vz = now_h - before_h, now_z - before_z
+            vh, vz = now_h - before_h, now_z - before_z
+            if by_rate:
+                vh = ramp[i] * rate[h, j] + ramp_rate[i] * motion[h, j]
+                vz = ramp[i] * rate[z, j] + ramp_rate[i] * motion[z, j]
             if pressed:
                 p = pressure(penalty_traction(g_0 + ramp[i] * motion[r, j], kn, separates))
             eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
@@ -140,9 +144,10 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
             start_h, start_z = eh, ez
             for i in range(1, count + 1):
                 j = i % count
-                th, tz, vh, vz = eh + motion[h, j] - before_h, ez + motion[z, j] - before_z, rate[h, j], rate[z, j]
-                if exact:
-                    vh, vz = motion[h, j] - before_h, motion[z, j] - before_z
+                th, tz = eh + motion[h, j] - before_h, ez + motion[z, j] - before_z
+                vh, vz = motion[h, j] - before_h, motion[z, j] - before_z
+                if by_rate:
+                    vh, vz = rate[h, j], rate[z, j]
                 if pressed:
                     p = pressure(penalty_traction(g_0 + motion[r, j], kn, separates))
                 eh, ez, slides = slip_update(k, th, tz, vh, vz, p, laws, dt)
@@ -160,7 +165,7 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
 
 
 @numba.njit(cache=True)
-def correction(path, slip, reference, laws, s, is_open, pressure_change):
+def correction(path, slip, reference, laws, s, is_open):
     """Compute the traction minus the traction of the stuck interface, at the samples of a period.
 
     The difference is s = t - t_0 - D_0 (g - g_0). t: traction; g: relative displacement; index 0: preload state;
@@ -172,28 +177,24 @@ def correction(path, slip, reference, laws, s, is_open, pressure_change):
     slip : (2 n, N) elastic slip, m
     s : output (3 n, N), Pa
     is_open : output (n, N) whether the surfaces are apart
-    pressure_change : output (n,) largest change of the pressure relative to the preload pressure
     """
-    motion = path.motion
-    g_0, t_0, springs = reference.jump, reference.traction, reference.springs
     n, count = is_open.shape
     for k in range(n):
-        r = normal(k, n)
+        h, z, r = hoop(k), axial(k), normal(k, n)
         stick, held = stick_change(k, 1.0, laws), laws.stick[k]  # per pressure, and constant; for all samples
-        kn, separates = laws.kn[k], laws.separation[k]
-        p_0 = -t_0[r]
-        largest = 0.0
+        kn, separates, g_0 = laws.kn[k], laws.separation[k], reference.jump[r]
+        t_h, t_z, t_n = reference.traction[h], reference.traction[z], reference.traction[r]
+        d_h, d_z, d_n = reference.springs[h], reference.springs[z], reference.springs[r]
+        motion_h, motion_z, motion_n = path.motion[h], path.motion[z], path.motion[r]
+        slip_h, slip_z, s_h, s_z, s_n, opens = slip[h], slip[z], s[h], s[z], s[r], is_open[k]
         for j in range(count):
-            gn = g_0[r] + motion[r, j]
+            gn = g_0 + motion_n[j]
             tn = penalty_traction(gn, kn, separates)
-            p = pressure(tn)
-            is_open[k, j] = not is_closed(gn, separates)
-            for c in range(2):
-                i = contact_dof(k, c, n)
-                s[i, j] = point.correction((held + stick * p) * slip[i, j], t_0[i], springs[i], motion[i, j])
-            s[r, j] = point.correction(tn, t_0[r], springs[r], motion[r, j])
-            largest = max(largest, abs(p - p_0))
-        pressure_change[k] = largest / p_0 if p_0 > 0.0 else np.inf
+            kt = held + stick * pressure(tn)
+            opens[j] = not is_closed(gn, separates)
+            s_h[j] = point.correction(kt * slip_h[j], t_h, d_h, motion_h[j])
+            s_z[j] = point.correction(kt * slip_z[j], t_z, d_z, motion_z[j])
+            s_n[j] = point.correction(tn, t_n, d_n, motion_n[j])
 
 
 @numba.njit(cache=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numba
 import numpy as np
 
 from wroll_fem.dynamics.aft.kernel import Products, Series
@@ -19,6 +20,7 @@ class Sampling:
     ----------
     harmonics, samples : number of harmonics H and number of samples N
     odd : whether the even harmonics are omitted, for motions whose second half period mirrors the first
+    orders : (R,) harmonic number of each coefficient
     values : (N, R) motion at phase 2 pi j / N for unit coefficients
     velocities : (N, R) change of this motion per sample, (2 pi / N) d/d(phase)
     project : (R, N) matrix that gives the coefficients from the samples
@@ -28,6 +30,7 @@ class Sampling:
     harmonics: int
     samples: int
     odd: bool = False
+    orders: FloatArray = field(init=False)
     values: FloatArray = field(init=False)
     velocities: FloatArray = field(init=False)
     project: FloatArray = field(init=False)
@@ -46,21 +49,18 @@ class Sampling:
                 remedy=f"use {4 * self.harmonics + 4} or more",
             )
         count, phase = self.samples, 2.0 * np.pi * np.arange(self.samples) / self.samples
-        values, slopes = np.zeros((count, self.size)), np.zeros((count, self.size))
-        values[:, 0] = 1.0
-        for column in range(1, self.size, 2):
-            k = self.orders[column]
-            cos, sin = np.cos(k * phase), np.sin(k * phase)
-            values[:, column], values[:, column + 1] = cos, sin
-            slopes[:, column], slopes[:, column + 1] = -k * sin, k * cos
-        ramp, ramp_rate = _ramp(count, 0.0)
+        orders = np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1, 2 if self.odd else 1), 2)])
+        even = np.arange(len(orders)) % 2 == 0  # the constant, then the sines
+        series = np.where(even, np.sin(phase[:, None] * orders), np.cos(phase[:, None] * orders))
+        series[:, 0] = 1.0
+        values, velocities, project = np.empty_like(series), np.empty_like(series), np.empty(series.shape[::-1])
+        ramp, ramp_rate = np.empty(count + 1), np.empty(count + 1)
+        _fill_series(series, orders, 0.0, values, velocities, project)
+        _fill_ramp(0.0, ramp, ramp_rate)
         for name, array in (
-            ("values", values),
-            ("velocities", 2.0 * np.pi / count * slopes),
-            ("project", _projection(values)),
-            ("ramp", ramp),
+            ("orders", orders), ("values", values), ("velocities", velocities), ("project", project), ("ramp", ramp),
             ("ramp_rate", ramp_rate),
-        ):
+        ):  # fmt: skip
             object.__setattr__(self, name, array)
 
     def shifted(self, shift: float) -> tuple[Series, FloatArray, FloatArray]:
@@ -70,12 +70,12 @@ class Sampling:
         """
         if shift == 0.0:
             return Series(self.values, self.velocities, self.project), self.ramp, self.ramp_rate
-        step = 2.0 * np.pi / self.samples
-        angle = step * shift * self.orders[1::2]
-        values, velocities = _turned(self.values, angle), np.zeros_like(self.values)
-        np.multiply(values[:, 2::2], -step * self.orders[1::2], out=velocities[:, 1::2])
-        np.multiply(values[:, 1::2], step * self.orders[1::2], out=velocities[:, 2::2])
-        return Series(values, velocities, _projection(values)), *_ramp(self.samples, shift)
+        size, count = self.size, self.samples
+        values, velocities, project = np.empty((count, size)), np.empty((count, size)), np.empty((size, count))
+        ramp, ramp_rate = np.empty(count + 1), np.empty(count + 1)
+        _fill_series(self.values, self.orders, shift, values, velocities, project)
+        _fill_ramp(shift, ramp, ramp_rate)
+        return Series(values, velocities, project), ramp, ramp_rate
 
     def products(self, shift: float) -> Products:
         """Matrices for the product of a motion and a periodic function, at samples later by ``shift`` (in samples)."""
@@ -91,34 +91,37 @@ class Sampling:
         """
         return 2 * ((self.harmonics + 1) // 2 if self.odd else self.harmonics) + 1
 
-    @property
-    def orders(self) -> FloatArray:
-        """(R,) harmonic number of each coefficient."""
-        return np.concatenate([[0.0], np.repeat(np.arange(1.0, self.harmonics + 1, 2 if self.odd else 1), 2)])
 
+@numba.njit(cache=True)
+def _fill_series(series, orders, shift, values, velocities, project):
+    """Fill the arrays of `Series` for samples that are later by ``shift`` (in samples) than those of ``series`` (N, R).
 
-def _turned(series: FloatArray, angle: FloatArray) -> FloatArray:
-    """Series (N, R) with the phase of each harmonic later by ``angle`` (H,), rad."""
-    cos, sin, out = np.cos(angle), np.sin(angle), series.copy()
-    out[:, 1::2] = cos * series[:, 1::2] - sin * series[:, 2::2]
-    out[:, 2::2] = cos * series[:, 2::2] + sin * series[:, 1::2]
-    return out
-
-
-def _projection(values: FloatArray) -> FloatArray:
-    """(R, N) matrix that gives Fourier coefficients from samples, for the series ``values`` (N, R) at the samples."""
-    project = 2.0 / len(values) * values.T
-    project[0] *= 0.5
-    return np.ascontiguousarray(project)
-
-
-def _ramp(count: int, shift: float) -> tuple[FloatArray, FloatArray]:
-    """Factor (N + 1,) on the motion in the first period, half a cosine of the phase, and its change per sample.
-
-    The N = ``count`` samples are later by ``shift`` (in samples).
+    ``orders`` (R,) is the harmonic number of each coefficient.
     """
-    grow = np.clip((np.arange(count + 1) + shift) / count, 0.0, 1.0)
-    return 0.5 * (1.0 - np.cos(np.pi * grow)), 0.5 * np.pi / count * np.sin(np.pi * grow)
+    count, size = series.shape
+    step = 2.0 * np.pi / count
+    values[:, 0], velocities[:, 0], project[0] = series[:, 0], 0.0, series[:, 0] / count
+    for column in range(1, size, 2):
+        order = step * orders[column]
+        cos, sin = np.cos(order * shift), np.sin(order * shift)
+        for j in range(count):
+            c, s = series[j, column], series[j, column + 1]
+            c, s = cos * c - sin * s, cos * s + sin * c
+            values[j, column], values[j, column + 1] = c, s
+            velocities[j, column], velocities[j, column + 1] = -order * s, order * c
+            project[column, j], project[column + 1, j] = 2.0 / count * c, 2.0 / count * s
+
+
+@numba.njit(cache=True)
+def _fill_ramp(shift, ramp, ramp_rate):
+    """Fill the factor (N + 1,) on the motion in the first period, half a cosine, and its change per sample.
+
+    The N samples are later by ``shift`` (in samples).
+    """
+    count = ramp.shape[0] - 1
+    for j in range(count + 1):
+        grown = min(max((j + shift) / count, 0.0), 1.0)
+        ramp[j], ramp_rate[j] = 0.5 * (1.0 - np.cos(np.pi * grown)), 0.5 * np.pi / count * np.sin(np.pi * grown)
 
 
 def mean_phase(weights: FloatArray, cosine: FloatArray, sine: FloatArray) -> float:

@@ -47,7 +47,7 @@ class TangentMap:
         self.by_log = self._collected(tangential.reshape(3 * count, size))
         self.by_angle: FloatArray | None = None
         if contact.shift != 0.0:
-            self.by_motion = owner.shift_slope(coefficients)
+            self.by_motion = owner.shift_slope(contact)
             self.by_angle = self.product(owner.turn(coefficients)) - owner.turn(owner.force(contact))
 
     def product(self, change: FloatArray) -> FloatArray:

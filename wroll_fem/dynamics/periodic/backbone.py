@@ -30,6 +30,7 @@ from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, Scaled
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.bordered import fill_scaled
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
 from wroll_fem.typing import FloatArray
 
@@ -111,15 +112,14 @@ class ModalMotion(ScaledMotions):
         (shape, frequency, damping, amplitude), (size, m) = self.motion(z), self.shape
         balance, active = self.balance, self.active
         matrix, by_frequency = balance.jacobian(amplitude * shape, frequency, self.contact(z))
-        order, last = active // m, self._last_columns(z, matrix @ shape.ravel()[active], by_frequency)
+        last = self._last_columns(z, matrix @ shape.ravel()[active].astype(matrix.dtype), by_frequency)
         for k in range(1, size, 2):
             gain = 2.0 * damping * frequency * balance.orders[k] * frequency
-            cos, sin = np.flatnonzero(order == k), np.flatnonzero(order == k + 1)
+            cos, sin = np.flatnonzero(active // m == k), np.flatnonzero(active // m == k + 1)
             matrix[cos, sin] -= gain
             matrix[sin, cos] += gain
-        out, root = np.zeros((len(active) + 2, len(active) + 3), matrix.dtype), np.tile(self.root, size)[active]
-        np.multiply(matrix, 1.0 / root, out=out[:-2, :-3], casting="same_kind")
-        out[:-2, :-3] *= (1.0 / root)[:, None]
+        out = np.zeros((len(active) + 2, len(active) + 3), matrix.dtype)
+        fill_scaled(out[:-2, :-3], matrix, 1.0 / np.tile(self.root, size)[active])
         out[:-2, -3:] = last
         ends = np.zeros((2, size, m))
         ends[0, 1:3] = 2.0 * shape[1:3] * self.unit / self.root

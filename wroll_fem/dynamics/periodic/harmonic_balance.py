@@ -29,6 +29,7 @@ from wroll_fem.dynamics.aft.harmonic_contact import PRESSURE_CHANGE, HarmonicCon
 from wroll_fem.dynamics.aft.tangent_map import TangentMap
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.errors import ConvergenceError
+from wroll_fem.numerics.bordered import fill_scaled
 from wroll_fem.numerics.continuation import StepControl, solve_at
 from wroll_fem.typing import FloatArray
 
@@ -121,7 +122,7 @@ class HarmonicBalance:
         matrix, by_log = self.contact.jacobian(contact, threshold=threshold)
         self.contact.add_shift(matrix, coefficients, contact)
         w = self.orders[:, None] * frequency
-        matrix[np.diag_indices(len(active))] += (self.model.eigenvalues - w**2).ravel()[active]
+        matrix.ravel()[:: len(active) + 1] += (self.model.eigenvalues - w**2).ravel()[active]
         if self.model.damping is not None:
             for k, forward, backward, modes in self.contact.harmonic_blocks:
                 coupling = w[k, 0] * self.model.damping[modes]
@@ -168,7 +169,7 @@ class HarmonicBalance:
             friction, modulation, path, peak,
         )  # fmt: skip
         # s lacks the stuck preload springs and the preload tractions, whose work over a closed cycle is zero
-        interface = float(np.einsum("i,ij,ij->", self.contact.weights, contact.correction, contact.sampled.rate))
+        interface = float(np.einsum("i,ij,ij->", self.contact.weights, contact.correction, contact.rate))
         speed = self.velocity(coefficients, frequency)
         period = 2.0 * np.pi / frequency
         half = np.where(self.orders == 0.0, 1.0, 0.5)[:, None] * period
@@ -271,8 +272,7 @@ class FrequencyCurve(ScaledMotions):
         matrix, by_frequency = self.balance.jacobian(*self.motion(z), self.contact(z))
         scale = 1.0 / np.tile(self.root, self.shape[0])[self.active]
         out = np.empty((len(scale), len(scale) + 1), matrix.dtype)
-        np.multiply(matrix, scale, out=out[:, :-1], casting="same_kind")
-        out[:, :-1] *= scale[:, None]
+        fill_scaled(out[:, :-1], matrix, scale)
         out[:, -1] = by_frequency * (self.per_unit / self.size) * scale
         return out
 

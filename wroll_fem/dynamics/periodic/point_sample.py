@@ -78,7 +78,7 @@ def contributions(contact: HarmonicContact, coefficients: FloatArray, frequency:
 
 def works(contact: HarmonicContact, state: PeriodicContact) -> FloatArray:
     """(n,) work of the tractions at each evaluated point during a period, J."""
-    power = contact.weights * np.einsum("ij,ij->i", state.correction, state.sampled.rate)
+    power = contact.weights * np.einsum("ij,ij->i", state.correction, state.rate)
     return np.asarray(power[contact.dofs].sum(axis=1))
 
 

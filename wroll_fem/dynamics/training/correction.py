@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
+from wroll_fem.dynamics.aft.matrix import apply_blocks, single_precision
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.numerics.krylov import gmres
 from wroll_fem.typing import FloatArray
@@ -100,8 +101,11 @@ def _by_jumps(at: _Motion, residual: list[FloatArray], tolerance: float) -> list
     """Solution of the linearised equations for the jump, by GMRES, then for the modes."""
     direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
     tangent = _Tangent(at)
-    z = gmres(tangent.product, at.every.motion(direct), tolerance=tolerance, iterations=KRYLOV).solution
-    after = tangent.forces(z)
+    jump = at.every.motion(direct)
+    size = float(np.abs(jump).max(initial=0.0)) or 1.0  # m; squares of smaller numbers vanish in single precision
+    start = (jump / size).astype(np.float32)
+    z = gmres(tangent.product, start, tolerance=tolerance, iterations=KRYLOV).solution
+    after = tangent.forces(size * z.astype(float))
     return [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
 
 
@@ -190,10 +194,9 @@ class _Tangent:
         place = np.zeros(contact.n, np.int64)
         place[every.points] = np.arange(contact.n)
         size = 3 * len(at.balance.orders)
-        blocks *= contact.laws.area[points][:, None, None, None, None]
-        self.every, self.own = every, place[points]
+        self.every, self.own, self.area = every, place[points], contact.laws.area[points][:, None, None]
         self.square = blocks.reshape(len(points), size, size)
-        self.short_square = self.square.astype(np.float32)
+        self.short_square = single_precision(blocks, contact.laws.area[points])
         squares = (at.balance.orders * at.frequency) ** 2
         self.residual_maps, values = every.with_residual_modes(float(squares.max()))
         self.short_inverse = [
@@ -203,15 +206,15 @@ class _Tangent:
 
     def forces(self, z: FloatArray) -> list[FloatArray]:
         """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
-        return self.every.force(self._traction(self.square, z))
+        forces, (count, size, _) = np.zeros_like(z), self.square.shape
+        moved = self.square @ z[self.own].reshape(count, size, 1)
+        forces[self.own] = (self.area * moved).reshape(count, 3, size // 3)
+        return self.every.force(forces)
 
     def product(self, z: FloatArray) -> FloatArray:
-        """(I + F D) z, with F D z in single precision and with residual modes."""
-        acting = self.residual_maps.force(self._traction(self.short_square, z.astype(np.float32)))
+        """(I + F D) z for z (n, 3, R) in single precision, with residual modes."""
+        forces = np.empty_like(z)
+        apply_blocks(self.short_square, self.own, z.reshape(len(z), -1), forces.reshape(len(z), -1))
+        acting = self.residual_maps.force(forces)
         answer = [part * force for part, force in zip(self.short_inverse, acting, strict=True)]
         return z + self.residual_maps.motion(answer)
-
-    def _traction(self, square: np.ndarray, z: np.ndarray) -> np.ndarray:
-        traction, (count, size, _) = np.zeros_like(z), square.shape
-        traction[self.own] = (square @ z[self.own].reshape(count, size, 1)).reshape(count, 3, size // 3)
-        return traction
