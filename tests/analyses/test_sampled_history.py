@@ -63,7 +63,7 @@ def test_a_dwell_on_a_subset_reads_as_one_on_all_points(amplitude: float) -> Non
     assert found["largest_tip"] == pytest.approx(right["largest_tip"], rel=5e-3)
 
 
-@pytest.mark.parametrize("scheme", ["hht, alpha: -0.05", "trigonometric"])
+@pytest.mark.parametrize("scheme", [pytest.param("hht, alpha: -0.05", marks=pytest.mark.slow), "trigonometric"])
 def test_the_beginning_of_a_sweep_does_not_stop_it(scheme: str) -> None:
     """In the ramp, the trained basis lacks 1.5 % of a motion that is a thousandth of the later one."""
     words = ("mesh={circumferential: 32, axial: 16, grading: 40}", "solver.hyper_reduction=true")

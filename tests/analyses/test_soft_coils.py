@@ -32,7 +32,7 @@ def modes_of(case: wf.Case) -> xr.Dataset:
     )
 
 
-@pytest.mark.parametrize(("band", "level"), [((240, 340), 0.5), ((10, 30), 0.1)])
+@pytest.mark.parametrize(("band", "level"), [((240, 340), 0.5), pytest.param((10, 30), 0.1, marks=pytest.mark.slow)])
 def test_a_coil_that_moves_by_itself_is_told_of_with_the_mode_that_is_followed(
     band: tuple[int, int], level: float
 ) -> None:

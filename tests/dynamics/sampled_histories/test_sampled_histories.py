@@ -158,7 +158,7 @@ def test_all_points_in_the_subset_give_the_history_of_all_points(name: str) -> N
         np.testing.assert_allclose(found[field].values, right[field].values, rtol=1e-9, atol=1e-12)
 
 
-@SCHEMES
+@pytest.mark.parametrize("name", [pytest.param("hht", marks=pytest.mark.slow), "trigonometric"])
 def test_a_trained_subset_has_the_history_and_the_slip_of_all_points(name: str) -> None:
     """Its errors are within those that it states."""
     system, state = prepared("{circumferential: 16, axial: 8, grading: 10}")
