@@ -22,6 +22,10 @@ CONFIGS = Path(__file__).resolve().parents[1] / "configs"
 COARSE = ["mesh={circumferential: 8, axial: 2}", "output={fields: none, figures: false}"]
 SHORT = [*COARSE, "excitation.cycles=3", "excitation.ramp_cycles=1", "integrator.steps_per_cycle=20"]
 PERIODIC = [*COARSE, "harmonic={harmonics: 1, samples: 32, reduction_tolerance: 0.1}"]
+SAMPLED = [
+    "mesh={circumferential: 12, axial: 6, grading: 10}", "output={fields: none, figures: false}",
+    "solver.hyper_reduction=true", "excitation.cycles=20", "harmonic.reduction_tolerance=0.1",
+]  # fmt: skip
 RUNS: list[tuple[str, list[str]]] = [
     ("lab_dwell", [*SHORT, "solver.method=condensed"]),
     ("lab_dwell", [*SHORT, "solver.method=reduced"]),
@@ -29,6 +33,9 @@ RUNS: list[tuple[str, list[str]]] = [
     ("lab_dwell", [*SHORT, "solver.method=full"]),
     ("lab_harmonic", [*PERIODIC, "excitation.f_start=150", "excitation.f_end=152"]),
     ("lab_backbone", [*PERIODIC, "backbone.tip_largest=3e-5"]),
+    ("lab_dwell", [*SAMPLED, "integrator={scheme: hht, alpha: -0.05, steps_per_cycle: 20}"]),
+    ("lab_dwell", [*SAMPLED, "integrator={scheme: trigonometric, steps_per_cycle: 20}"]),
+    ("winding_lab", ["output={figures: false}"]),
     ("two_dof", ["two_dof.omega.points=20", "two_dof.friction_capacity=[5, 20]"]),
 ]
 """Case file and overrides."""

@@ -66,11 +66,11 @@ def sort_points(path, reference, laws, out):
             out.slip[hoop(k)],
             out.slip[axial(k)],
         )
-        outside = 1 if start_h * start_h + start_z * start_z > square else 0
         for j in range(count):
-            eh, ez = start_h + motion_h[j], start_z + motion_z[j]
-            slip_h[j], slip_z[j] = eh, ez
-            outside += 1 if eh * eh + ez * ez > square else 0
+            slip_h[j], slip_z[j] = start_h + motion_h[j], start_z + motion_z[j]
+        outside = start_h * start_h + start_z * start_z > square
+        for j in range(count):
+            outside |= slip_h[j] * slip_h[j] + slip_z[j] * slip_z[j] > square
         if outside:
             sliding[slides] = k
             slides += 1

@@ -104,6 +104,7 @@ class EveryMode:
     Attributes
     ----------
     groups : list of `Group`
+    eigenvalues : eigenvalues (b, d) of the modes of each group; padding is 1
     dofs : (n, 3) contact degrees of freedom of the points in the order used here: all rows of one angle, then the next
     points : (n,) indices of the points in this order
 
@@ -125,7 +126,6 @@ class EveryMode:
         order = np.arange(self.rows * self.n_theta).reshape(self.rows, self.n_theta).T
         self.points = order.ravel()
         self.dofs = contact_dofs(len(self.points))[self.points]
-        self._eigenvalues = c.eigenvalues
         self._residual: dict[float, tuple[EveryMode, list[FloatArray]]] = {}
         kinds = [(np.arange(len(c.jump)), np.arange(len(orders)))]
         if symmetry is not None:
@@ -133,6 +133,8 @@ class EveryMode:
             odd = orders % 2 == 1
             kinds = [(np.flatnonzero(reverses == kind), np.flatnonzero(odd == kind)) for kind in (True, False)]
         self.groups = [self._group(c, theta, blocks, columns) for blocks, columns in kinds if len(blocks)]
+        self._all = c.eigenvalues
+        self.eigenvalues = [group.of_modes(self._all, fill=1.0) for group in self.groups]
 
     def _group(self, c: Condensation, theta: IntArray, blocks: IntArray, columns: IntArray) -> Group:
         counts = np.diff(c.blocks)[blocks]
@@ -154,7 +156,7 @@ class EveryMode:
         limit = CLASSES ** float(np.ceil(np.log(FAR * square) / np.log(CLASSES)))
         if limit not in self._residual:
             out = copy(self)
-            found = [group.with_residual_modes(self._eigenvalues, limit) for group in self.groups]
+            found = [group.with_residual_modes(self._all, limit) for group in self.groups]
             out.groups = [
                 replace(group, around=group.around.astype(np.float32), jump=group.jump.astype(np.float32))
                 for group, _ in found

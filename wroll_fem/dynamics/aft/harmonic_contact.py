@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 
 from wroll_fem.contact.kernels import PointLaws
-from wroll_fem.contact.point import contact_dofs, normals, per_dof
+from wroll_fem.contact.point import contact_dofs, per_dof
 from wroll_fem.dynamics.aft import kernel
 from wroll_fem.dynamics.aft.coulomb import COULOMB
 from wroll_fem.dynamics.aft.derivatives import derivatives
@@ -161,6 +161,7 @@ class HarmonicContact:
         self.dofs = contact_dofs(self.n)
         self._rated = bool((self.laws.kind != COULOMB).any())
         self.groups = self._groups()
+        self._last: tuple[PeriodicContact, FloatArray] | None = None
 
     def _groups(self) -> list[tuple[IntArray, IntArray]]:
         """Row indices and column indices of each group of nonzero entries in the Fourier coefficients (R, m)."""
@@ -237,6 +238,10 @@ class HarmonicContact:
         return [np.ascontiguousarray(self.jump[:, columns]) for _, columns in self.groups]
 
     @cached_property
+    def _group_forces(self) -> list[FloatArray]:
+        return [self.force_operator[columns] for _, columns in self.groups]
+
+    @cached_property
     def newton_operators(self) -> tuple[np.ndarray, np.ndarray]:
         """`force_operator` and `jump` in the precision of Newton's matrix."""
         precision = np.float32 if len(self.active) >= SINGLE else np.float64
@@ -261,19 +266,12 @@ class HarmonicContact:
         )  # fmt: skip
         kernel.iterate_to_periodic(path, self.reference, self.laws, self.max_periods, PERIODIC, hysteresis)
         correction, is_open = np.empty((3 * n, s.samples)), np.empty((n, s.samples), np.bool_)
-        kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open)
-        harmonics, change = correction @ series.project.T, self._pressure_change(normals(motion))
+        change = np.empty(n)
+        kernel.correction(path, hysteresis.slip, self.reference, self.laws, correction, is_open, change)
+        harmonics = correction @ series.project.T
         return PeriodicContact(
             jump_coefficients, shift, series, path, hysteresis, correction, harmonics, is_open, change
         )
-
-    def _pressure_change(self, motion: FloatArray) -> FloatArray:
-        """(n,) largest change of the pressure relative to the preload, from the normal ``motion`` (n, N), m."""
-        preload = np.maximum(-normals(self.reference.traction), 0.0)
-        gap = normals(self.reference.jump)
-        ends = (np.maximum(-self.laws.kn * (gap + end), 0.0) for end in (motion.min(axis=1), motion.max(axis=1)))
-        largest = np.maximum(*(np.abs(pressure - preload) for pressure in ends))
-        return np.divide(largest, preload, out=np.full(self.n, np.inf), where=preload > 0.0)
 
     def shift(self, jump_coefficients: FloatArray) -> float:
         """Shift of the samples, -1/2 to 1/2 sample, that places one of them where the slip of a roll turns back.
@@ -297,14 +295,19 @@ class HarmonicContact:
         """(R, m) Fourier coefficients of the contact forces on the reduced coordinates.
 
         They are (G Phi)^T W s. G Phi is the relative displacement per unit coordinate, W contains the areas of the
-        contact points, and s is the traction correction in ``contact``.
+        contact points, and s is the traction correction in ``contact``. The last one is kept: Newton's matrix asks for
+        the force of the motion that the residual was computed for.
         """
+        if self._last is None or self._last[0] is not contact:
+            self._last = contact, self._force(contact)
+        return self._last[1]
+
+    def _force(self, contact: PeriodicContact) -> FloatArray:
         if len(self.groups) == 1:
             return np.asarray((self.force_operator @ contact.coefficients).T)
         out = np.zeros((self.sampling.size, self.model.size))
-        weighted = self.weights[:, None] * contact.coefficients
-        for (rows, _), place, jump in zip(self.groups, self._places, self._group_jumps, strict=True):
-            out[place] = (jump.T @ weighted[:, rows]).T
+        for (rows, _), place, force in zip(self.groups, self._places, self._group_forces, strict=True):
+            out[place] = (force @ contact.coefficients[:, rows]).T
         return out
 
     def point_blocks(

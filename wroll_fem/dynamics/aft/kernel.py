@@ -165,7 +165,7 @@ def iterate_to_periodic(path, reference, laws, max_periods, tolerance, out):
 
 
 @numba.njit(cache=True)
-def correction(path, slip, reference, laws, s, is_open):
+def correction(path, slip, reference, laws, s, is_open, pressure_change):
     """Compute the traction minus the traction of the stuck interface, at the samples of a period.
 
     The difference is s = t - t_0 - D_0 (g - g_0). t: traction; g: relative displacement; index 0: preload state;
@@ -177,6 +177,7 @@ def correction(path, slip, reference, laws, s, is_open):
     slip : (2 n, N) elastic slip, m
     s : output (3 n, N), Pa
     is_open : output (n, N) whether the surfaces are apart
+    pressure_change : output (n,) largest change of the pressure relative to the preload pressure
     """
     n, count = is_open.shape
     for k in range(n):
@@ -195,6 +196,14 @@ def correction(path, slip, reference, laws, s, is_open):
             s_h[j] = point.correction(kt * slip_h[j], t_h, d_h, motion_h[j])
             s_z[j] = point.correction(kt * slip_z[j], t_z, d_z, motion_z[j])
             s_n[j] = point.correction(tn, t_n, d_n, motion_n[j])
+        low = high = motion_n[0]  # in a loop of their own: the one above is vectorised
+        for j in range(count):
+            low, high = min(low, motion_n[j]), max(high, motion_n[j])
+        most = max(  # the pressure falls as the gap grows
+            abs(pressure(penalty_traction(g_0 + low, kn, separates)) + t_n),
+            abs(pressure(penalty_traction(g_0 + high, kn, separates)) + t_n),
+        )
+        pressure_change[k] = most / -t_n if t_n < 0.0 else np.inf
 
 
 @numba.njit(cache=True)

@@ -131,7 +131,10 @@ def _inverse_stiffness(values: FloatArray, squares: FloatArray) -> FloatArray:
     """
     stiffness = values[:, :, None] - squares
     least = NEAR_RESONANCE * np.maximum(values[:, :, None], squares)
-    return 1.0 / np.where(np.abs(stiffness) < least, np.where(stiffness < 0.0, -least, least), stiffness)
+    near = np.abs(stiffness) < least
+    if near.any():
+        stiffness[near] = np.where(stiffness[near] < 0.0, -least[near], least[near])
+    return np.asarray(1.0 / stiffness)
 
 
 class _Motion:
@@ -153,9 +156,8 @@ class _Motion:
         self.stiffness: list[FloatArray] = []
         self.inverse: list[FloatArray] = []
         self.root: list[FloatArray] = []
-        for group in every.groups:
+        for group, values in zip(every.groups, every.eigenvalues, strict=True):
             squares = (balance.orders[group.columns] * frequency) ** 2
-            values = group.of_modes(balance.model.condensation.eigenvalues, fill=1.0)
             self.stiffness.append(values[:, :, None] - squares)
             self.inverse.append(_inverse_stiffness(values, squares))
             self.root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2)[:, :, None])
