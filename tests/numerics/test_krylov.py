@@ -40,6 +40,17 @@ def test_gmres_iterates_in_the_precision_of_the_right_side(matrix: FloatArray) -
     assert same.projected.shape == (1, 1)
 
 
+def test_gmres_with_the_identity_apart_is_that_of_the_sum(matrix: FloatArray) -> None:
+    b = np.random.default_rng(4).normal(size=60)
+    rest = matrix - np.eye(60)
+    together = gmres(lambda z: matrix @ z, b, tolerance=1e-6, iterations=60)
+    apart = gmres(lambda z: rest @ z, b, tolerance=1e-6, iterations=60, plus_identity=True)
+    np.testing.assert_allclose(apart.solution, together.solution, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(apart.projected, together.projected, rtol=0, atol=1e-9)
+    nothing = gmres(lambda z: 0.0 * z, b, tolerance=1e-6, iterations=60, plus_identity=True)
+    np.testing.assert_allclose(nothing.solution, b, rtol=1e-14)
+
+
 def test_gmres_minimises_the_residual_over_the_krylov_space(matrix: FloatArray) -> None:
     b = np.random.default_rng(2).normal(size=60)
     space = np.column_stack([b, matrix @ b, matrix @ (matrix @ b)])

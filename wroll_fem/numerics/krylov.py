@@ -31,8 +31,15 @@ class Solved(NamedTuple):
     projected: FloatArray
 
 
-def gmres(apply: Callable[[np.ndarray], np.ndarray], b: np.ndarray, *, tolerance: float, iterations: int) -> Solved:
-    """Solve ``apply(z) = b`` by GMRES without restart.
+def gmres(
+    apply: Callable[[np.ndarray], np.ndarray],
+    b: np.ndarray,
+    *,
+    tolerance: float,
+    iterations: int,
+    plus_identity: bool = False,
+) -> Solved:
+    """Solve ``apply(z) = b``, or ``z + apply(z) = b``, by GMRES without restart.
 
     A Krylov vector is orthogonalised a second time if the first orthogonalisation removes most of it. The small problem
     is solved by least squares, so the residual does not grow if the map is nearly singular.
@@ -48,6 +55,9 @@ def gmres(apply: Callable[[np.ndarray], np.ndarray], b: np.ndarray, *, tolerance
     iterations
         Largest number of iterations. The last iterate is returned whatever its residual; so is the one before an
         iteration that is not finite.
+    plus_identity
+        Whether the map is the identity plus ``apply``. Its Krylov space is that of ``apply``, whose vectors lose less
+        in the orthogonalisation.
 
     References
     ----------
@@ -74,6 +84,7 @@ def gmres(apply: Callable[[np.ndarray], np.ndarray], b: np.ndarray, *, tolerance
                 break
         if not np.isfinite(rest):  # the solution so far is finite
             break
+        matrix[count, count] += float(plus_identity)
         matrix[count + 1, count] = rest
         triangle[: count + 1] = matrix[: count + 1, count]
         for k, (c, s) in enumerate(turns):

@@ -81,10 +81,13 @@ def derivatives(points, path, hysteresis, reference, laws, series, products, blo
     add_history(
         coulomb_points[:coulomb_count], places, path, hysteresis.periods, reference, laws, series, factors, blocks
     )
-    sums = np.dot(products.project, factors)
+    sums, product_rows = (
+        np.dot(products.project, factors),
+        _product_rows(products.orders, products.project.shape[0] // 2),
+    )
     for index in range(a):
         block = blocks[index]
-        _add_products(block, sums[:, 4 * index : 4 * index + 4], products.orders, missing[index])
+        _add_products(block, sums[:, 4 * index : 4 * index + 4], product_rows, missing[index])
         for r in range(size):
             for c in range(3):
                 block[c, r, c, r] -= reference.springs[contact_dof(points[index], c, n)]
@@ -116,30 +119,46 @@ def _factors_of_slip(k, path, slip, reference, laws, factors):
 
 
 @numba.njit(cache=True)
-def _add_products(block, sums, orders, missing):
-    """Add the derivatives that are products of a factor and the motion. ``sums``: see `kernel.Products`.
+def _product_rows(orders, half):
+    """Rows of the sums (see `kernel.Products`) that a product of two coefficients needs, and their factors.
+
+    The coefficient r of a periodic function times the coefficient q of a motion is
+    ``share[r] sums[first[r, q]] + sign[r, q] sums[second[r, q]]``. ``half`` is the number of cosines among the sums.
+    """
+    size = orders.shape[0]
+    first, second = np.empty((size, size), np.int64), np.empty((size, size), np.int64)
+    share, sign = np.full(size, 0.5), np.empty((size, size))
+    share[0] = 0.25
+    for r in range(size):
+        sine = r > 0 and r % 2 == 0
+        for q in range(size):
+            far, near = orders[r] + orders[q], abs(orders[r] - orders[q])
+            if sine == (q > 0 and q % 2 == 0):  # cos cos, sin sin
+                first[r, q], second[r, q], sign[r, q] = near, far, -share[r] if sine else share[r]
+            else:  # sin cos, cos sin
+                first[r, q], second[r, q] = half + far, half + near
+                sign[r, q] = share[r] if sine == (orders[r] >= orders[q]) else -share[r]
+    return first, second, share, sign
+
+
+@numba.njit(cache=True)
+def _add_products(block, sums, rows, missing):
+    """Add the derivatives that are products of a factor and the motion; ``rows`` are those of `_product_rows`.
 
     From the coefficient ``missing`` on, the elastic slip changes as the motion does, apart from what was added before.
     """
-    size, half = orders.shape[0], sums.shape[0] // 2
+    first, second, share, sign = rows
+    size = share.shape[0]
     for r in range(size):
-        a, share = orders[r], 0.5 if r > 0 else 0.25
-        sine = r > 0 and r % 2 == 0
         for q in range(size):
-            b = orders[q]
-            far, near = a + b, abs(a - b)
-            if sine == (q > 0 and q % 2 == 0):  # cos cos, sin sin
-                first, second, sign = near, far, -share if sine else share
-            else:  # sin cos, cos sin
-                first, second = half + far, half + near
-                sign = share if sine == (a >= b) else -share
-            both = share * sums[first, STICK] + sign * sums[second, STICK]
+            i, j, a, b = first[r, q], second[r, q], share[r], sign[r, q]
             if q >= missing:
+                both = a * sums[i, STICK] + b * sums[j, STICK]
                 block[0, r, 0, q] += both
                 block[1, r, 1, q] += both
-            block[0, r, 2, q] += share * sums[first, HOOP_LIMIT] + sign * sums[second, HOOP_LIMIT]
-            block[1, r, 2, q] += share * sums[first, AXIAL_LIMIT] + sign * sums[second, AXIAL_LIMIT]
-            block[2, r, 2, q] += share * sums[first, PENALTY] + sign * sums[second, PENALTY]
+            block[0, r, 2, q] += a * sums[i, HOOP_LIMIT] + b * sums[j, HOOP_LIMIT]
+            block[1, r, 2, q] += a * sums[i, AXIAL_LIMIT] + b * sums[j, AXIAL_LIMIT]
+            block[2, r, 2, q] += a * sums[i, PENALTY] + b * sums[j, PENALTY]
 
 
 @numba.njit(cache=True)

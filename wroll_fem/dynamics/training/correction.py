@@ -104,7 +104,7 @@ def _by_jumps(at: _Motion, residual: list[FloatArray], tolerance: float) -> list
     jump = at.every.motion(direct)
     size = float(np.abs(jump).max(initial=0.0)) or 1.0  # m; squares of smaller numbers vanish in single precision
     start = (jump / size).astype(np.float32)
-    z = gmres(tangent.product, start, tolerance=tolerance, iterations=KRYLOV).solution
+    z = gmres(tangent.product, start, tolerance=tolerance, iterations=KRYLOV, plus_identity=True).solution
     after = tangent.forces(size * z.astype(float))
     return [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
 
@@ -188,7 +188,7 @@ class _Motion:
 
 
 class _Tangent:
-    """Derivative I + F D of the jump equation at a motion; see the module for the symbols."""
+    """Maps F D and D of the jump equation at a motion; see the module for the symbols."""
 
     def __init__(self, at: _Motion):
         contact, every = at.balance.contact, at.every
@@ -214,9 +214,9 @@ class _Tangent:
         return self.every.force(forces)
 
     def product(self, z: FloatArray) -> FloatArray:
-        """(I + F D) z for z (n, 3, R) in single precision, with residual modes."""
+        """F D z for z (n, 3, R) in single precision, with residual modes."""
         forces = np.empty_like(z)
         apply_blocks(self.short_square, self.own, z.reshape(len(z), -1), forces.reshape(len(z), -1))
         acting = self.residual_maps.force(forces)
         answer = [part * force for part, force in zip(self.short_inverse, acting, strict=True)]
-        return z + self.residual_maps.motion(answer)
+        return self.residual_maps.motion(answer)
