@@ -1,4 +1,4 @@
-"""Elastic slip during a period of points with Coulomb friction, many points at a time (see `kernel`).
+"""Periodic elastic slip of points with Coulomb friction, many points at a time (see `kernel`).
 
 The equations are those of `kernel.iterate_to_periodic` for the law `penalty_coulomb`, in the same order. One point
 after the other would wait for a square root and a division at every sample; points side by side fill that time, and
@@ -25,9 +25,11 @@ COULOMB = LAWS.index(PenaltyCoulomb)
 LANES = 16
 """Number of points side by side. The loops over them have a constant length and constant offsets in one array; with
 fewer points or with one array per quantity, the compiler does not vectorise them."""
-_1, _2, _3, _4, _5, _6 = (k * LANES for k in range(1, 7))
-SLIP_H, SLIP_Z, SCALE, FIRST = _2, _3, _4, _5
-"""First places of some rows of ``table``, and of the last of ``state``, in `advance_period`."""
+MOTION_H, MOTION_Z, SLIP_H, SLIP_Z, SCALE = (k * LANES for k in range(5))
+"""First place of each quantity in a row of the ``table`` of `advance_period`."""
+
+E_H, E_Z, BEFORE_H, BEFORE_Z, LIMIT, FIRST = (k * LANES for k in range(6))
+"""First place of each quantity in its ``state``."""
 
 FEWEST = 6
 """Number of sliding points from which they are computed side by side."""
@@ -60,12 +62,8 @@ def sort_points(path, reference, laws, out):
             continue
         start_h, start_z, limit = reference.elastic_slip[hoop(k)], reference.elastic_slip[axial(k)], laws.gamma[k]
         square = limit * limit * WITHIN
-        motion_h, motion_z, slip_h, slip_z = (
-            path.motion[hoop(k)],
-            path.motion[axial(k)],
-            out.slip[hoop(k)],
-            out.slip[axial(k)],
-        )
+        motion_h, motion_z = path.motion[hoop(k)], path.motion[axial(k)]
+        slip_h, slip_z = out.slip[hoop(k)], out.slip[axial(k)]
         for j in range(count):
             slip_h[j], slip_z[j] = start_h + motion_h[j], start_z + motion_z[j]
         outside = start_h * start_h + start_z * start_z > square
@@ -87,9 +85,9 @@ def sort_points(path, reference, laws, out):
 @numba.njit(cache=True)
 def empty_lanes(count):
     """Arguments ``table`` and ``state`` of `advance_period` for ``count`` samples, without points."""
-    state = np.zeros(_6)
-    state[_4:_5] = 1.0
-    return np.zeros((count, _5)), state
+    state = np.zeros(FIRST + LANES)
+    state[LIMIT:FIRST] = 1.0
+    return np.zeros((count, SCALE + LANES)), state
 
 
 @numba.njit(cache=True)
@@ -97,9 +95,9 @@ def take_point(b, k, path, reference, laws, table, state):
     """Put point ``k`` into lane ``b``, at the beginning of its first period."""
     h, z = hoop(k), axial(k)
     for j in range(table.shape[0]):
-        table[j, b], table[j, _1 + b] = path.motion[h, j], path.motion[z, j]
-    state[b], state[_1 + b] = reference.elastic_slip[h], reference.elastic_slip[z]
-    state[_2 + b], state[_3 + b], state[_4 + b], state[FIRST + b] = 0.0, 0.0, laws.gamma[k], 1.0
+        table[j, MOTION_H + b], table[j, MOTION_Z + b] = path.motion[h, j], path.motion[z, j]
+    state[E_H + b], state[E_Z + b] = reference.elastic_slip[h], reference.elastic_slip[z]
+    state[BEFORE_H + b], state[BEFORE_Z + b], state[LIMIT + b], state[FIRST + b] = 0.0, 0.0, laws.gamma[k], 1.0
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -119,12 +117,12 @@ def advance_period(table, ramp, state):
         row = table[i if i < count else 0]
         for b in range(LANES):
             grown = ramp[i] if state[FIRST + b] > 0.0 else 1.0
-            now_h, now_z, limit = grown * row[b], grown * row[_1 + b], state[_4 + b]
-            th, tz = state[b] + now_h - state[_2 + b], state[_1 + b] + now_z - state[_3 + b]
+            now_h, now_z, limit = grown * row[MOTION_H + b], grown * row[MOTION_Z + b], state[LIMIT + b]
+            th, tz = state[E_H + b] + now_h - state[BEFORE_H + b], state[E_Z + b] + now_z - state[BEFORE_Z + b]
             length = math.sqrt(th * th + tz * tz)
             scale = limit / (length if length > limit else limit)
-            state[b], state[_1 + b] = th * scale, tz * scale
-            state[_2 + b], state[_3 + b] = now_h, now_z
+            state[E_H + b], state[E_Z + b] = th * scale, tz * scale
+            state[BEFORE_H + b], state[BEFORE_Z + b] = now_h, now_z
             row[SLIP_H + b], row[SLIP_Z + b] = th * scale, tz * scale
             row[SCALE + b] = scale
 
@@ -133,11 +131,11 @@ def advance_period(table, ramp, state):
 def slide_to_periodic(points, path, reference, laws, max_periods, tolerance, out):
     """Compute the periodic elastic slip of sliding ``points`` with Coulomb friction; see `kernel.iterate_to_periodic`.
 
-    A lane takes the next point as soon as its own has become periodic.
+    ``points`` (a,) are indices. A lane takes the next point as soon as its own has become periodic.
     """
     slip, sliding, moved, periods, change = out
     count = sliding.shape[1]
-    (table, state), start = empty_lanes(count), np.zeros(_2)
+    (table, state), start = empty_lanes(count), np.zeros(BEFORE_H)
     lanes, taken, busy = np.full(LANES, -1), 0, 0
     while True:
         for b in range(LANES):
@@ -150,7 +148,7 @@ def slide_to_periodic(points, path, reference, laws, max_periods, tolerance, out
             busy += 1
         if busy == 0:
             break
-        start[:] = state[:_2]
+        start[:] = state[:BEFORE_H]
         advance_period(table, path.ramp, state)
         state[FIRST:] = 0.0
         for b in range(LANES):
@@ -162,7 +160,7 @@ def slide_to_periodic(points, path, reference, laws, max_periods, tolerance, out
                 if moved[k]:
                     break
                 moved[k] = table[j, SCALE + b] < 1.0
-            moves = max(abs(state[b] - start[b]), abs(state[_1 + b] - start[_1 + b])) / laws.gamma[k]
+            moves = max(abs(state[E_H + b] - start[E_H + b]), abs(state[E_Z + b] - start[E_Z + b])) / laws.gamma[k]
             if periods[k] == max_periods or (periods[k] > 0 and moves <= tolerance):
                 change[k] = moves
                 for j in range(count):

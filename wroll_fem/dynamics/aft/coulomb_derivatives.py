@@ -1,4 +1,4 @@
-"""Derivatives of the tractions of a period where points with Coulomb friction slide (see `derivatives`, `coulomb`).
+"""Derivatives of the tractions of sliding points with Coulomb friction (see `derivatives`, `coulomb`).
 
 The elastic slip of a point changes as its motion does, except that sliding changes this dependence. Between two samples
 at which the point slides, the difference, D, is constant: the derivatives of the Fourier coefficients of the traction
@@ -51,6 +51,7 @@ def _slide(change, shape, grown, slip_h, slip_z, limit, scale):
     ----------
     change, shape : rows of `_side_by_side`; the motion of a unit coefficient is ``grown`` times ``shape``
     slip_h, slip_z, limit : elastic slip (hoop, axial) and its limit, m
+    scale : elastic slip relative to the trial slip, below 1
     """
     m_h, m_z = slip_h / limit, slip_z / limit
     a00, a01, a11 = scale * (1.0 - m_h * m_h), -scale * m_h * m_z, scale * (1.0 - m_z * m_z)

@@ -81,10 +81,8 @@ def derivatives(points, path, hysteresis, reference, laws, series, products, blo
     add_history(
         coulomb_points[:coulomb_count], places, path, hysteresis.periods, reference, laws, series, factors, blocks
     )
-    sums, product_rows = (
-        np.dot(products.project, factors),
-        _product_rows(products.orders, products.project.shape[0] // 2),
-    )
+    sums = np.dot(products.project, factors)
+    product_rows = _product_rows(products.orders, sums.shape[0] // 2)
     for index in range(a):
         block = blocks[index]
         _add_products(block, sums[:, 4 * index : 4 * index + 4], product_rows, missing[index])
