@@ -16,16 +16,17 @@ from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.periodic.causes import with_cause
+from wroll_fem.dynamics.periodic.first_guesses import carried_along
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.training import enrichment
+from wroll_fem.dynamics.training import course, enrichment, training
 from wroll_fem.dynamics.training.correction import correction
-from wroll_fem.dynamics.training.enrichment import trained_response
+from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.training.growth import enriched
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import Training
 from wroll_fem.errors import ConvergenceError
-from wroll_fem.numerics.continuation import StepControl
+from wroll_fem.numerics.continuation import CurvePoint, StepControl
 
 
 def test_a_roll_that_sticks_has_a_curve() -> None:
@@ -55,6 +56,63 @@ def test_further_harmonics_leave_the_motion_and_the_direction_of_the_curve() -> 
         assert np.linalg.norm(residual) < 1e-5 * np.linalg.norm(moved.balance.load())
     np.testing.assert_allclose(moved.frequencies, few.frequencies, rtol=5e-3)
     assert np.abs(moved.coefficients[1, 7:]).max() > 0.0
+
+
+@pytest.mark.parametrize("kind", ["response", "backbone"])
+def test_a_curve_of_which_some_points_were_recomputed_ends_as_one_of_solutions(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between the passes only the points of the basis and of the check are solved; at the end all are."""
+    system, preload, condensation = small_roll(12, 4)
+    recomputed: list[int] = []
+    moved_to = HarmonicCurve.moved_to
+
+    def counted(self: HarmonicCurve, contact: HarmonicContact, control: StepControl, *rest: object) -> HarmonicCurve:
+        if len(rest) > 1 and rest[1] is not None:
+            recomputed.append(len(rest[1]))  # type: ignore[arg-type]
+        return moved_to(self, contact, control, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(HarmonicCurve, "moved_to", counted)
+    monkeypatch.setattr(training, "COARSE", 1.0)
+    monkeypatch.setattr(course, "MOVABLE", 1e9)
+    found = []
+    for sparse in (0.0, 10.0):
+        monkeypatch.setattr(course, "SPARSE", sparse)
+        if kind == "response":
+            trained = trained_response(
+                condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-4
+            )
+            size = np.abs(trained.curve.transmissibility)
+        else:
+            trained = trained_backbone(condensation, preload, system.laws, tip_amplitudes=(1e-6, 3e-5), tolerance=1e-4)
+            size = trained.curve.damping
+        found.append((trained.curve.frequencies, size))
+        assert trained.energy_error < 1e-4
+    (frequencies, size), (others, other) = found
+    np.testing.assert_allclose(others, frequencies, rtol=2e-5)
+    np.testing.assert_allclose(other, size, rtol=2e-3, atol=1e-3 * size.max())
+    if kind == "response":
+        assert recomputed
+        assert min(recomputed) < len(frequencies)
+        for q, w in zip(trained.curve.coefficients, trained.curve.frequencies, strict=True):
+            residual, _ = trained.curve.balance.residual(q, w)
+            assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(trained.curve.balance.load())
+
+
+def test_points_between_solutions_are_shifted_like_them() -> None:
+    """A shift that is linear along the curve is found exactly; beyond the last solution it is constant."""
+    x = np.array([0.0, 1.0, 1.5, 4.0, 6.0, 7.0])
+    places = np.column_stack([x, 0.0 * x])
+    shift = np.column_stack([0.1 * x, 2.0 - 0.3 * x])
+    solved = {0, 3, 4}
+    points = [
+        CurvePoint(place + (k in solved) * move, np.array([1.0, 0.0]), 1, True)
+        for k, (place, move) in enumerate(zip(places, shift, strict=True))
+    ]
+    out = np.array([point.z for point in carried_along(points, places, solved)])
+    np.testing.assert_allclose(out[:5], (places + shift)[:5], rtol=1e-14)
+    np.testing.assert_allclose(out[5], places[5] + shift[4], rtol=1e-14)
+    assert carried_along(points[:5], places, solved) == points[:5]  # a point is missing
 
 
 def test_estimate_holds_between_the_checked_points() -> None:

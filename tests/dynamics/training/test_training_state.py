@@ -63,8 +63,12 @@ def test_a_resumed_run_is_bitwise_the_uninterrupted_one(
     assert {k: v for k, v in resumed.items() if k not in timed} == {k: v for k, v in whole.items() if k not in timed}
 
 
-def test_every_state_of_a_training_continues_to_the_same_curve(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Curves that were moved to a larger basis included: here every curve is, from the first."""
+@pytest.mark.parametrize("sparse", [0.0, 10.0])
+def test_every_state_of_a_training_continues_to_the_same_curve(
+    sparse: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Curves that were moved to a larger basis, with all points or some, included: here every curve is."""
+    monkeypatch.setattr(course, "SPARSE", sparse)
     monkeypatch.setattr(training, "COARSE", 1.0)
     monkeypatch.setattr(course, "MOVABLE", 1e9)
     case, path = load_case(CONFIGS / "lab_backbone.yaml", [*SMALL, "harmonic.reduction_tolerance=1e-4"]), tmp_path / "x"

@@ -17,7 +17,7 @@ Krack (2015), Computers & Structures 154, 59, doi:10.1016/j.compstruc.2015.03.00
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,12 +26,13 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.contact.point import normals
 from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
+from wroll_fem.dynamics.periodic.first_guesses import carried_along, first_guesses
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, ScaledMotions
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.bordered import fill_scaled
-from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct, follow, solve_at
+from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, correct, follow, solve_at
 from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
@@ -246,32 +247,31 @@ class BackboneCurve:
         return replace(self.take(list(range(count))), cut=reason, beyond=0)
 
     def moved_to(
-        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
-    ) -> BackboneCurve:
-        """Curve whose points are recomputed in another model; points that fail to converge are left out.
-
-        The amplitudes are kept. ``starts`` (p, R, r) are first guesses in modal coordinates. By default, the first
-        guesses are the motions of this curve.
-        """
+        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None,
+        only: Container[int] | None = None,
+    ) -> BackboneCurve:  # fmt: skip
+        """Curve at the same amplitudes in another model; for the arguments see `HarmonicCurve.moved_to`."""
         shift = self.balance.model.vectors.T @ contact.model.vectors
         old = self.problem
         mode = int(np.argmax(np.abs(shift[old.mode])))
-        problem, found, factor = ModalMotion(HarmonicBalance(contact, 0.0), mode, old.amplitudes), [], None
+        problem, factor = ModalMotion(HarmonicBalance(contact, 0.0), mode, old.amplitudes), None
+        found, before = list[CurvePoint](), list[FloatArray]()
         row = np.append(np.zeros(len(problem.active) + 2), 1.0)
         for k, q in enumerate(self.coefficients):
-            amplitude = float(np.linalg.norm(q[1:3]))
-            guesses = [q @ shift]
-            if starts is not None and not np.allclose(starts[k] @ contact.model.vectors, guesses[0], atol=0.0):
-                guesses.insert(0, starts[k] @ contact.model.vectors)
-            for guess in guesses:
-                start = problem.scaled(guess / amplitude, self.frequencies[k], self.damping[k], amplitude)
-                z, history, _, factor = correct(problem, start, row, control, kept=factor, chord=starts is None)
-                if z is not None:
+            size, guesses = float(np.linalg.norm(q[1:3])), first_guesses(q, shift, contact.model, starts, k)
+            places = [problem.scaled(g / size, self.frequencies[k], self.damping[k], size) for g in guesses]
+            before.append(places[-1])
+            at = Corrected(places[-1], [], places[-1], factor)
+            for start in places if only is None or k in only else ():
+                at = correct(problem, start, row, control, kept=at.factor, chord=starts is None)
+                if at.z is not None:
                     break
-            if z is not None:
+            factor = at.factor
+            if at.z is not None:
                 along = self.tangents[k]
                 moved = (old.unpacked(along[:-3]) @ shift * problem.root / problem.unit).ravel()[problem.active]
-                found.append(CurvePoint(z, np.append(moved, along[-3:]), len(history), True))
+                found.append(CurvePoint(at.z, np.append(moved, along[-3:]), len(at.history), True))
+        found = found if only is None else carried_along(found, np.array(before), only)
         return replace(BackboneCurve.of_points(problem, found), cut=self.cut)
 
     def extended(self, contact: HarmonicContact) -> BackboneCurve:

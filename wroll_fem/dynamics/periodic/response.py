@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.branches import STEEP, Branches
+from wroll_fem.dynamics.periodic.first_guesses import carried_along, first_guesses
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
     FrequencyCurve,
@@ -103,27 +104,32 @@ class HarmonicCurve:
         return part if len(edges) and edges.min() > STEEP * self.balance.largest_growth else None
 
     def moved_to(
-        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None
-    ) -> HarmonicCurve:
+        self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None,
+        only: Container[int] | None = None,
+    ) -> HarmonicCurve:  # fmt: skip
         """Curve whose points are recomputed in another model; points that fail to converge are left out.
 
         Each point is sought in the plane normal to the curve. ``starts`` (p, R, r) are first guesses in modal
-        coordinates. By default, the first guesses are the motions of this curve.
+        coordinates. By default, the first guesses are the motions of this curve. Points that are not in ``only`` are
+        shifted like their neighbours, no solutions; by default, all are recomputed.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         balance = HarmonicBalance(contact, self.balance.acceleration)
-        problem, found, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), [], None
+        problem, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), None
+        found, before = list[CurvePoint](), list[FloatArray]()
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
             row /= np.linalg.norm(row)
-            guesses = [q @ shift]
-            if starts is not None and not np.allclose(starts[k] @ contact.model.vectors, guesses[0], atol=0.0):
-                guesses.insert(0, starts[k] @ contact.model.vectors)
+            guesses = first_guesses(q, shift, contact.model, starts, k)
             places = [problem.scaled(guess, w) for guess in guesses]
+            before.append(places[-1])
+            if only is not None and k not in only:
+                found.append(CurvePoint(places[-1], row, 0, bool(self.stable[k])))
+                continue
             if k > 0 and starts is None:  # the iteration may alternate between both sides of a kink
-                before = problem.scaled(self.coefficients[k - 1] @ shift, self.frequencies[k - 1])
-                aside = BESIDE * float(np.linalg.norm(places[0] - before)) * row
+                last = problem.scaled(self.coefficients[k - 1] @ shift, self.frequencies[k - 1])
+                aside = BESIDE * float(np.linalg.norm(places[0] - last)) * row
                 places += [places[0] - aside, places[0] + aside]
             steps = control.suited_to(len(row))
             for start in places:
@@ -132,6 +138,7 @@ class HarmonicCurve:
                     break
             if z is not None:
                 found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
+        found = found if only is None else carried_along(found, np.array(before), only)
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
 
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:

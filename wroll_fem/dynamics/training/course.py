@@ -21,6 +21,10 @@ MOVABLE = 20.0
 """Largest error, relative to the tolerance, at which the points of a curve are recomputed in the next basis. Above it
 a new curve is computed."""
 
+SPARSE = 0.6
+"""Share of the points of a curve below which only the points of the next basis and of the next check are recomputed.
+The others keep their motions of the basis before until the error is small enough."""
+
 HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 """Relative correction above which the training ends if two curves in a row exceed it, and number of curves from which
 this limit applies. Corrections from linearised equations do not converge if they are this large."""
@@ -58,6 +62,7 @@ class _Checked(Generic[Curve]):
     found : index of a checked point -> its correction
     held : corrections that count, without those of motions beyond the end of a backbone
     beyond : largest correction of these motions
+    partial : whether only its checked points and those used for the basis are solutions in the present basis
     """
 
     number: int
@@ -69,6 +74,7 @@ class _Checked(Generic[Curve]):
     found: dict[int, Correction]
     held: list[Correction]
     beyond: float
+    partial: bool
 
     @property
     def error(self) -> float:
@@ -119,12 +125,16 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         if checked.error <= course.tolerance and not checked.coarse and not checked.unsure:
             if checked.stopped is not None:
                 raise checked.stopped
-            return checked.accepted()
+            whole = course.completed(checked)
+            if whole is not None:
+                return whole.accepted()
+            continue
         course.enrich(checked)
         if course.size > training.most_vectors:
             break
-    if checked.stopped is None and checked.error <= DOUBTFUL:
-        return checked.accepted()
+    whole = course.completed(checked)
+    if whole is not None and whole.stopped is None and whole.error <= DOUBTFUL:
+        return whole.accepted()
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
@@ -132,7 +142,7 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         residual_history=[checked.error],
         advice=checked.advice,
     )
-    failure.partial = checked.curve
+    failure.partial = (whole or checked).curve
     raise failure
 
 
@@ -153,6 +163,7 @@ class _Course(Generic[Curve]):
         self._model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
         self._factor, self._stuck, self._used, self._watched = state.factor, state.stuck, set(state.used), state.watched
         self._moved: Curve | None = None if state.curve is None else task.restored(self._model, state.curve)
+        self._checks = state.checks
         self._stopped_before: Curve | None = None
         self._error, self._previous = state.error, np.inf
         self._training, self.tolerance = loosened(training) if state.watched else (training, training.tolerance)
@@ -177,13 +188,14 @@ class _Course(Generic[Curve]):
         if coarse:
             contact = self._structure.with_harmonics(TRAINING_HARMONICS).contact(self._model)
             richer = curve.extended(contact)
-        picked = _others(self._task.chosen(curve), self._used, count)
+        checks = self._checks
+        picked = _others(self._task.chosen(curve), self._used, count) if checks is None else list(checks)
         points = richer.take(picked)
         corrections = self._task.check(points, self._training.rough if coarse else KRYLOV_TOLERANCE)
         found = dict(zip(picked, corrections, strict=True))
         held = [found[k] for k in picked if k < count - curve.beyond]
         beyond = max((found[k].energy for k in picked if k >= count - curve.beyond), default=0.0)
-        checked = _Checked(number, curve, stopped, coarse, richer, points, found, held, beyond)
+        checked = _Checked(number, curve, stopped, coarse, richer, points, found, held, beyond, checks is not None)
         self._previous, self._error = self._error, checked.error
         if self._training.on_round is not None:
             self._training.on_round(number, self._model, checked.error)
@@ -201,11 +213,22 @@ class _Course(Generic[Curve]):
         if error <= self.tolerance or not final:
             return None
         good = [one.energy <= self.tolerance for one in checked.held]
-        part = self._task.shortened(checked.curve, checked.points, good)
-        if part is None or checked.coarse:
+        whole = None if checked.coarse else self.completed(checked)
+        part = None if whole is None else self._task.shortened(whole.curve, checked.points, good)
+        if part is None:
             return None
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
+
+    def completed(self, checked: _Checked[Curve]) -> _Checked[Curve] | None:
+        """The curve with all its points in the present basis; None if one does not converge, for a curve anew."""
+        if not checked.partial:
+            return checked
+        curve = self._task.again(checked.curve, self._model)
+        if len(curve.frequencies) == len(checked.curve.frequencies):
+            return replace(checked, curve=curve, partial=False)
+        self._moved, self._checks, self._used = None, None, set()
+        return None
 
     @property
     def size(self) -> int:
@@ -228,7 +251,7 @@ class _Course(Generic[Curve]):
         self._training, self.tolerance = loosened(self._training)
         self._model = watched(self._structure, self._training, shapes)
         self._factor, self._stuck, self._error, self._used = COARSE, False, np.inf, set()
-        self._stopped_before, self._moved, self._watched = None, None, True
+        self._stopped_before, self._moved, self._checks, self._watched = None, None, None, True
         return True
 
     def enrich(self, checked: _Checked[Curve]) -> None:
@@ -243,11 +266,10 @@ class _Course(Generic[Curve]):
         rest = sorted(used - set(found))
         if rest:
             found |= dict(zip(rest, task.check(checked.richer.take(rest), training.rough), strict=True))
-        self._moved = None
+        self._moved = self._checks = None
         if movable:
             self._model = joined(structure, training, self._model, list(found.values()))
-            moved = task.again(checked.curve, self._model)
-            self._moved = moved if len(moved.frequencies) == count else None
+            self._move(checked.curve, used)
         else:
             points, anew = checked.richer.take(sorted(used)), not self._small and checked.coarse
             corrections = [found[k] for k in sorted(used)]
@@ -257,11 +279,24 @@ class _Course(Generic[Curve]):
         if training.file is not None:
             training.file.keep(structure.condensation.eigenvalues, self._state(checked.number + 1))
 
+    def _move(self, curve: Curve, used: set[int]) -> None:
+        """Recompute a curve in the present basis: all its points, or of many those ``used`` and the next ones to check.
+
+        If a point does not converge, the next curve is computed anew.
+        """
+        count = len(curve.frequencies)
+        checks = _others(self._task.chosen(curve), used, count)
+        needed = used | set(checks)
+        few = len(needed) < SPARSE * count
+        moved = self._task.again(curve, self._model, only=needed if few else None)
+        if len(moved.frequencies) == count:
+            self._moved, self._checks = moved, tuple(checks) if few else None
+
     def _state(self, number: int) -> TrainingState:
         curve = None if self._moved is None else arrays_of(self._moved)
         return TrainingState(
             number, self._model.vectors, self._model.eigenvalues, self._factor, self._stuck, self._error,
-            tuple(sorted(self._used)), curve, self._watched,
+            tuple(sorted(self._used)), self._checks, curve, self._watched,
         )  # fmt: skip
 
     def _hopeless(self, checked: _Checked[Curve]) -> bool:

@@ -2,7 +2,7 @@ r"""Response curves and backbones in bases that are trained on these curves them
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -67,11 +67,13 @@ class _CurveTask:
         """Structure with the harmonics of a curve whose steps are longer by a factor."""
         return self.structure.with_harmonics(FIRST_HARMONICS if factor > 1.0 else self.harmonics)
 
-    def again(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
-        """Points of a curve in another model."""
+    def again(
+        self, points: Curve, model: ReducedModel, starts: FloatArray | None = None, only: Container[int] | None = None
+    ) -> Curve:
+        """Points of a curve in another model; see `Task`."""
         level = self.structure.with_harmonics(points.balance.contact.sampling.harmonics)
         steps = self.steps if starts is None else replace(self.steps, tolerance=ROUGH * self.steps.tolerance)
-        return self.subsets.moved(points, level, model, steps, starts)
+        return self.subsets.moved(points, level, model, steps, starts, only)
 
 
 @dataclass(frozen=True)

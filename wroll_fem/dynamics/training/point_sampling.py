@@ -8,7 +8,7 @@ does not converge is repeated with all points.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import TypeVar
 
@@ -80,17 +80,18 @@ class PointSampling:
             self.motions, self._renew, self._latest = _some(points), False, None
 
     def moved(
-        self, points: Curve, level: Structure, model: ReducedModel, control: StepControl, starts: FloatArray | None
-    ) -> Curve:
+        self, points: Curve, level: Structure, model: ReducedModel, control: StepControl, starts: FloatArray | None,
+        only: Container[int] | None,
+    ) -> Curve:  # fmt: skip
         """Points of a curve, recomputed in another model with the forces of all contact points; see ``moved_to``."""
         whole = level.contact(model)
         if self.wanted and self.motions is not None and whole.n >= FEWEST:
             if self._latest is None:
                 self._latest = sampled(whole, self.motions)
-            found = points.moved_to(level.contact(model, tangent=self._latest), control, starts)
+            found = points.moved_to(level.contact(model, tangent=self._latest), control, starts, only)
             if len(found.frequencies) == len(points.frequencies):
                 return found
-        return points.moved_to(whole, control, starts)
+        return points.moved_to(whole, control, starts, only)
 
     def curve(
         self, level: Structure, model: ReducedModel, follow: Callable[[HarmonicContact, float], Curve], factor: float,

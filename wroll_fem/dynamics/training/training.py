@@ -10,7 +10,7 @@ recomputed in the larger basis.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
@@ -62,11 +62,14 @@ class Task(Protocol[Curve]):
         """
         ...
 
-    def again(self, points: Curve, model: ReducedModel, starts: FloatArray | None = None) -> Curve:
+    def again(
+        self, points: Curve, model: ReducedModel, starts: FloatArray | None = None, only: Container[int] | None = None
+    ) -> Curve:
         """Curve with those of its points that converge in another model.
 
         ``starts`` (p, R, r) are first guesses in modal coordinates; by default they are the motions of the points. With
-        given ones the motions only serve the basis, and are less accurate.
+        given ones the motions only serve the basis, and are less accurate. With ``only``, the other points follow
+        without being solutions.
         """
         ...
 
@@ -135,4 +138,4 @@ class Training:
             return state
         model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
         factor = 1.0 if len(modes) <= SMALL else COARSE
-        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None, False)
+        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None, None, False)

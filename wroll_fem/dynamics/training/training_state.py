@@ -30,6 +30,7 @@ class TrainingState:
     stuck : whether the basis grows no further
     error : largest correction on the curve before
     used : points of this curve that are in the basis
+    checks : points of this curve to be checked, if only they and those in the basis are recomputed; None if all are
     curve : arrays of the curve if its points are moved to the basis already; None if it has to be computed
     watched : whether the basis contains shapes of motions in time
     """
@@ -41,6 +42,7 @@ class TrainingState:
     stuck: bool
     error: float
     used: tuple[int, ...]
+    checks: tuple[int, ...] | None
     curve: dict[str, np.ndarray] | None
     watched: bool
 
@@ -83,8 +85,8 @@ class TrainingFile:
             curve = {name.removeprefix("curve_"): value for name, value in found.items() if name.startswith("curve_")}
             state = TrainingState(
                 int(found["number"]), found["vectors"], found["eigenvalues"], float(found["factor"]),
-                bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()), curve or None,
-                bool(found["watched"]),
+                bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()),
+                tuple(found["checks"].tolist()) or None, curve or None, bool(found["watched"]),
             )  # fmt: skip
         except (ValueError, KeyError):  # arrays of another analysis
             raise refused(self.path, "the checkpoint belongs to another run or version") from None
@@ -107,7 +109,8 @@ class TrainingFile:
         arrays: dict[str, Any] = {
             "structure": structure, "number": state.number, "vectors": state.vectors, "factor": state.factor,
             "eigenvalues": state.eigenvalues, "stuck": state.stuck, "error": state.error,
-            "used": np.array(state.used, np.int64), "watched": state.watched,
+            "used": np.array(state.used, np.int64), "checks": np.array(state.checks or (), np.int64),
+            "watched": state.watched,
         }  # fmt: skip
         write_checkpoint(self.path, arrays | curve)
         self._written = time.monotonic()
