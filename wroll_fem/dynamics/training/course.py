@@ -129,6 +129,8 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
             if whole is not None:
                 return whole.accepted()
             continue
+        if number == training.max_rounds:
+            break
         course.enrich(checked)
         if course.size > training.most_vectors:
             break
@@ -213,9 +215,10 @@ class _Course(Generic[Curve]):
         if error <= self.tolerance or not final:
             return None
         good = [one.energy <= self.tolerance for one in checked.held]
-        whole = None if checked.coarse else self.completed(checked)
-        part = None if whole is None else self._task.shortened(whole.curve, checked.points, good)
-        if part is None:
+        part = self._task.shortened(checked.curve, checked.points, good)
+        if part is None or checked.coarse:
+            return None
+        if checked.partial and (part := self._solved(part)) is None:
             return None
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
@@ -224,9 +227,13 @@ class _Course(Generic[Curve]):
         """The curve with all its points in the present basis; None if one does not converge, for a curve anew."""
         if not checked.partial:
             return checked
-        curve = self._task.again(checked.curve, self._model)
-        if len(curve.frequencies) == len(checked.curve.frequencies):
-            return replace(checked, curve=curve, partial=False)
+        curve = self._solved(checked.curve)
+        return None if curve is None else replace(checked, curve=curve, partial=False)
+
+    def _solved(self, curve: Curve) -> Curve | None:
+        found = self._task.again(curve, self._model)
+        if len(found.frequencies) == len(curve.frequencies):
+            return found
         self._moved, self._checks, self._used = None, None, set()
         return None
 
