@@ -35,7 +35,7 @@ from wroll_fem.case.structural import OnRoll, OnStructure
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
+from wroll_fem.dynamics.reduction.condensation import Condensation, condense, enough_moments
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
 from wroll_fem.dynamics.reduction.snapshots import WholeSlip, snapshots_of_chirp
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
@@ -63,7 +63,7 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
     """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force."""
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
-        moments = MOMENTS if held(system, springs) else 0
+        moments = enough_moments(system, springs)
         condensation = kept_modes(
             system, springs, moments,
             lambda springs: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),

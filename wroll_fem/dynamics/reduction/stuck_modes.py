@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.reduction.condensation import MOMENTS, Condensation, condense, held
+from wroll_fem.dynamics.reduction.condensation import Condensation, condense, enough_moments
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.dynamics.system.system import System
@@ -13,13 +13,13 @@ from wroll_fem.typing import FloatArray
 
 MANY_DOFS = 10_000
 """Number of DOFs of a structure above which it is not represented by all its modes, but by those that its loads excite
-(`MOMENTS`). This takes a seventh of the modes of a solid coil; a chirp of HabEx changes by 3e-6."""
+(`enough_moments`). This takes a tenth of the modes of a solid coil."""
 
 
 def modes_to_reduce(system: System, preload: ContactState, scheme: Scheme, dt: float) -> Condensation:
     """Modes of the structure with stuck interfaces, in which a reduced model has its basis; see `MANY_DOFS`."""
     springs = reference_stiffness(system, preload, dt)
-    moments = MOMENTS if system.n_dofs > MANY_DOFS and held(system, springs) else 0
+    moments = enough_moments(system, springs) if system.n_dofs > MANY_DOFS else 0
     return condense(system, springs, scheme, dt, moments=moments)
 
 
