@@ -63,8 +63,11 @@ class Bordered:
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solution in double precision; its error is that of the factors, which may be single."""
-        lu, pivots = self.factor
-        return np.asarray(self._getrs(lu, pivots, rhs.astype(lu.dtype), trans=1)[0], dtype=float)
+        return np.asarray(self._solve(rhs.astype(self.factor[0].dtype)), dtype=float)
+
+    def _solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solution in the precision of the factors and of ``rhs``."""
+        return np.asarray(self._getrs(*self.factor, rhs, trans=1)[0])
 
     @property
     def sign(self) -> float:
@@ -76,14 +79,19 @@ class Bordered:
     def _preconditioned(
         self, problem: CurveProblem, z: FloatArray, row: FloatArray, rhs: FloatArray, tolerance: float
     ) -> Solved:
-        """Solution (n + 1,) of the bordered equations at ``z``, with its own ``row``, by GMRES with these factors."""
-        applied = problem.derivative(z)
+        """Solution (n + 1,) of the bordered equations at ``z``, with its own ``row``, by GMRES with these factors.
 
-        def product(y: FloatArray) -> FloatArray:
-            v = self.solve(y)
-            return np.append(applied(v), row @ v)
+        It iterates in the precision of the factors, whose memory traffic is most of its time.
+        """
+        applied, precision = problem.derivative(z), self.factor[0].dtype
+        border, b = row.astype(precision), rhs.astype(precision)
 
-        found = gmres(product, rhs, tolerance=tolerance, iterations=len(z) // UNKNOWNS_PER_ITERATION)
+        def product(y: np.ndarray) -> np.ndarray:
+            v, out = self._solve(y), np.empty_like(b)
+            out[:-1], out[-1] = applied(v), border @ v
+            return out
+
+        found = gmres(product, b, tolerance=tolerance, iterations=len(z) // UNKNOWNS_PER_ITERATION)
         return found._replace(solution=self.solve(found.solution))
 
 
