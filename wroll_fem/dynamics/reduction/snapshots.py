@@ -33,6 +33,9 @@ RATE = 60.0
 STEPS_PER_CYCLE, EVERY = 40, 4
 """Steps per cycle of the highest frequency, and number of steps between two snapshots."""
 
+TOLERANCE = 1e-3
+"""Residual of a converged step, relative to the elastic slip: shapes need less than motions."""
+
 QUIET = 0.1
 """Energy norm, relative to that of the largest snapshot, below which a snapshot is left out."""
 
@@ -83,8 +86,9 @@ def snapshots_of_chirp(
     low, high = (low, high) if low < high else frequencies
     chirp, dt = Chirp(amplitude, low, high, RATE, 2.0), 1.0 / (STEPS_PER_CYCLE * high)
     stepper = CondensedStepper(
-        system, preload, Scheme.named("transient_fidelity"), NewtonOptions(), dt=dt, condensation=condensation
-    )
+        system, preload, Scheme.named("transient_fidelity"), NewtonOptions(tolerance=TOLERANCE), dt=dt,
+        condensation=condensation, keep_factors=True,
+    )  # fmt: skip
     times = dt * np.arange(int(chirp.duration / dt) + 1)
     base, cycles = chirp.acceleration(times), chirp.phase(times) / (2.0 * np.pi)
     sliding = _WholeSlipCheck(system, preload)

@@ -26,6 +26,8 @@ Rubin (1975), AIAA J. 13, 995, doi:10.2514/3.60497 (attachment modes).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
@@ -34,7 +36,7 @@ from wroll_fem.dynamics.reduction.modal_step import inverse_blocks, modal_step
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, advance_steps
+from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, advance_steps, no_factors
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
@@ -49,24 +51,32 @@ _NOTHING = Compliance(np.zeros((0, 0, 0)), np.zeros((0, 0), np.float32))
 
 
 class CondensedStepper(Stepper):
-    """Time stepping with condensation on the contact degrees of freedom; see `Stepper`."""
+    """Time stepping with condensation on the contact degrees of freedom; see `Stepper`.
+
+    With ``keep_factors`` the factors of Newton's matrix are kept between calls of `try_steps`, for short calls. The
+    motion then depends, within the tolerance, on the steps before the last `restore`.
+    """
 
     name = "condensed"
     state: CondensedState
 
     def __init__(
         self, system: System, preload: ContactState, scheme: Scheme, options: NewtonOptions, *, dt: float,
-        condensation: Condensation | None = None,
+        condensation: Condensation | None = None, keep_factors: bool = False,
     ):  # fmt: skip
         super().__init__(system, preload, scheme, options)
         check_step_uniqueness(system, preload, scheme, dt)
         c = condensation or condense(system, reference_stiffness(system, preload, dt), scheme, dt)
+        if c.moments:  # single precision saves a fifth of a step that sticks; its error is below that of such modes
+            c = replace(c, jump=[block.astype(np.float32).astype(np.float64) for block in c.jump])
+        precision = np.float32 if c.moments else np.float64
+        self._modal_jump = np.concatenate([block.ravel() for block in c.jump]).astype(precision)
         self.condensation = c
         self.reference = Reference(preload.jump, preload.elastic_slip, preload.traction, c.springs)
         self.state = CondensedState(
             Motion.zeros(len(c.eigenvalues)), ContactMemory.of(preload), jump_before=preload.jump.copy()
         )
-        self._modal_jump = np.concatenate([block.ravel() for block in c.jump])
+        self._keep_factors, self._kept = keep_factors, (dt, no_factors())
         self._operators: dict[float, tuple[Modal, InterfaceOperator]] = {}
 
     def displacement(self) -> FloatArray:
@@ -120,10 +130,13 @@ class CondensedStepper(Stepper):
         """Advance in the compiled loop; see `Stepper.try_steps`."""
         modal, interface = self._operator(dt)
         newton = Newton(self.residual_limit, self.options.max_iterations, np.zeros(self.options.max_iterations + 1))
-        done = advance_steps(
+        kept, factors = self._kept
+        done, factors = advance_steps(
             np.ascontiguousarray(acceleration), self.step(dt), modal, interface, self.reference, self.system.laws,
-            self.state, newton, self.accumulated, records,
+            self.state, newton, self.accumulated, records, factors if kept == dt else no_factors(),
         )  # fmt: skip
+        if self._keep_factors:
+            self._kept = dt, factors
         if done < len(acceleration) - 1:
             self.last_history = [float(h) for h in newton.history if h > 0.0]
         return int(done)

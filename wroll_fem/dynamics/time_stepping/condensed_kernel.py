@@ -17,23 +17,21 @@ from wroll_fem.contact.kernels import (
 )
 from wroll_fem.contact.point import AXIAL, HOOP, NORMAL, axial, component_of, hoop, normal, point_of
 from wroll_fem.dynamics.reduction import interface_operator
-from wroll_fem.dynamics.reduction.interface_operator import (
-    add_free_jump,
-    add_response,
-    fill_modal_force,
-)
+from wroll_fem.dynamics.reduction.interface_operator import add_free_jump, add_response, fill_modal_force
 from wroll_fem.dynamics.time_stepping import modal_kernel, records
 from wroll_fem.dynamics.time_stepping.modal_kernel import commit_motion, correction, predict, strain_energy
 from wroll_fem.dynamics.time_stepping.records import STRAIN, record_contact
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Motion
-from wroll_fem.numerics import lu
+from wroll_fem.numerics import compiled_krylov, lu
 from wroll_fem.numerics import newton as rates
+from wroll_fem.numerics.compiled_krylov import combine, extend, krylov_space, start
 from wroll_fem.numerics.newton import CONDENSED_RENEWAL, SLIDING_RENEWAL
 from wroll_fem.numerics.numba_cache import drop_stale_cache
 from wroll_fem.typing import FloatArray, IntArray
 
 drop_stale_cache(
     __file__, modal_kernel.__file__, records.__file__, rates.__file__, lu.__file__, interface_operator.__file__,
+    compiled_krylov.__file__,
 )  # fmt: skip
 
 STIFFNESS_CHANGE = 0.3
@@ -48,6 +46,12 @@ ALL_POINTS = 20
 NEGLIGIBLE = np.float32(1e-12)
 """Entries of Newton's matrix, whose diagonal is near 1, that are replaced by zero. Entries that symmetry makes zero are
 1e-40 by rounding, and such subnormal numbers make LU factors three times slower on some processors."""
+UNKNOWNS_PER_ITERATION, MOST_ITERATIONS = 50, 12
+"""Number of active DOFs per iteration of GMRES that is tried before new factors; largest number of iterations."""
+KRYLOV_TOLERANCE, HOPELESS = 0.1, 1.5
+"""Relative residual at which GMRES ends; it is given up if it seems to need `HOPELESS` times its iterations."""
+KRYLOV_ITERATIONS = 10
+"""Number of iterations in a time step after which each new matrix is factorised."""
 SHORTEST = 0.3
 """Damping factor below which a step with a new matrix is taken even if it does not reduce the residual; a shorter one
 only delays the change of the points' states."""
@@ -207,6 +211,17 @@ def _factored(tangent, springs, status, included, interface):
     return _factor(active, False, tangent, springs, interface.sticking.dense)
 
 
+def no_factors():
+    """Entries of `_Factors` without active DOFs: Newton's matrix is the identity."""
+    return False, np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 0), np.float32), np.empty(0, np.int32)
+
+
+@numba.njit(cache=True)
+def _entries(factors):
+    """Entries of `_Factors`, for Python: an interrupt while a class of Python is called for a result is a crash."""
+    return factors.slides, factors.active, factors.change, factors.matrix, factors.pivots
+
+
 @numba.njit(cache=True)
 def _newton_step(factors, interface, area, springs, rho, amplitudes, delta):
     """Fill ``delta`` (3 n,), m, with the Newton step -(I + F (D - D_0))^{-1} rho for the residual ``rho`` (3 n,), m.
@@ -238,8 +253,50 @@ def _newton_step(factors, interface, area, springs, rho, amplitudes, delta):
 
 
 @numba.njit(cache=True)
-def advance_steps(acceleration, step, modal, interface, reference, laws, state, newton, accumulated, records):
-    """Advance by up to len(acceleration) - 1 steps; returns the number of completed steps.
+def _apply_matrix(tangent, interface, area, springs, traction, amplitudes, x, out):
+    """Fill ``out`` (3 n,) with (I + F (D - D_0)) x, for the contact ``tangent`` D; ``traction`` (3 n,): work array."""
+    n = area.shape[0]
+    for k in range(n):
+        h, z, r = hoop(k), axial(k), normal(k, n)
+        for row, dof in ((HOOP, h), (AXIAL, z), (NORMAL, r)):
+            d = tangent[k, row]
+            traction[dof] = d[HOOP] * x[h] + d[AXIAL] * x[z] + d[NORMAL] * x[r] - springs[dof] * x[dof]
+    out[:] = x
+    add_response(traction, area, interface.profiles, interface.sticking.blocks, amplitudes, out)
+
+
+@numba.njit(cache=True)
+def _krylov_step(factors, tangent, interface, area, springs, rho, most, traction, amplitudes, space, delta):
+    """`_newton_step` for the contact ``tangent``, by GMRES that the ``factors`` of an earlier matrix precondition.
+
+    Returns whether GMRES converges in ``most`` iterations; only then is ``delta`` filled.
+    """
+    start(space, rho)
+    left, goal = 0.0, np.log(KRYLOV_TOLERANCE)
+    for k in range(most):
+        direction, product = space.directions[k], space.vectors[k + 1]
+        _newton_step(factors, interface, area, springs, space.vectors[k], amplitudes, direction)  # -P b_k
+        _apply_matrix(tangent, interface, area, springs, traction, amplitudes, direction, product)
+        left += np.log(extend(space, k))
+        if left <= goal:
+            combine(space, k + 1, delta)
+            delta *= -1.0
+            return np.isfinite(delta).all()
+        if not (k + 1) * goal >= HOPELESS * most * left:
+            return False
+    return False
+
+
+@numba.njit(cache=True)
+def _extrapolate(state, g):
+    """Fill ``g`` (3 n,) with the first guess of the jump after a step."""
+    for i in range(g.shape[0]):
+        g[i] = 2.0 * state.contact.jump[i] - state.jump_before[i]
+
+
+@numba.njit(cache=True)
+def advance_steps(acceleration, step, modal, interface, reference, laws, state, newton, accumulated, records, kept):
+    """Advance by up to len(acceleration) - 1 steps; returns their number, and the entries of the last `_Factors`.
 
     A step that does not converge ends the loop; ``state`` is the state after the last completed step.
 
@@ -250,6 +307,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     state, accumulated : `CondensedState` and `Accumulated`, updated
     newton : `Newton`; its history receives the residuals of the last step
     records : (k, record_size) output
+    kept : such entries of an earlier call with the same step, or `no_factors`
     """
     area, springs, dt = laws.area, reference.springs, step.dt
     motion, contact, history = state.motion, state.contact, newton.history
@@ -260,8 +318,8 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     amplitudes = np.zeros(interface.sticking.blocks.shape[:2])
     g_hat, force = np.zeros(3 * n), np.zeros(motion.q.shape[0])
     tangent = np.zeros((n, 3, 3))
-    factors = _factor(np.empty(0, np.int64), False, tangent, springs, interface.sticking.dense)
-    have_factor = False
+    space, traction = krylov_space(3 * n, MOST_ITERATIONS), np.zeros(3 * n)
+    factors, have_factor, lags = _Factors(*kept), False, False
     included = np.zeros(n, np.bool_)
 
     for number in range(acceleration.shape[0] - 1):
@@ -271,23 +329,35 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
         if n > 0:
             g_hat[:] = reference.jump
             add_free_jump(q_hat, interface, amplitudes, g_hat)
-            for i in range(3 * n):
-                g[i] = 2.0 * contact.jump[i] - state.jump_before[i]
+            _extrapolate(state, g)
             size = _residual(g_hat, interface, reference, contact, laws, dt, here, amplitudes)
             history[:] = 0.0
             history[0] = size
-            fresh = False
+            fresh, krylov_iterations = False, KRYLOV_ITERATIONS
             included[:] = False
             while size > newton.limit:
+                if iterations == newton.max_iterations and krylov_iterations > 0:  # once more, without GMRES
+                    iterations, krylov_iterations, have_factor = 0, 0, False
+                    _extrapolate(state, g)
+                    size = _residual(g_hat, interface, reference, contact, laws, dt, here, amplitudes)
+                    included[:] = False
                 if iterations == newton.max_iterations:
                     converged = False
                     break
+                lags = False
                 if not have_factor:
                     consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
-                    factors = _factored(tangent, springs, status, included, interface)
-                    have_factor = True
                     fresh = True
-                _newton_step(factors, interface, area, springs, rho, amplitudes, delta)
+                    if iterations < krylov_iterations:
+                        most = min(factors.active.shape[0] // UNKNOWNS_PER_ITERATION, MOST_ITERATIONS)
+                        lags = _krylov_step(
+                            factors, tangent, interface, area, springs, rho, most, traction, amplitudes, space, delta
+                        )
+                    if not lags:
+                        factors = _factored(tangent, springs, status, included, interface)
+                        have_factor = True
+                if not lags:
+                    _newton_step(factors, interface, area, springs, rho, amplitudes, delta)
                 iterations += 1
                 damping = 1.0
                 while True:
@@ -312,7 +382,7 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                         _include(rho, size, iterations, included)
                 fresh = False
             if not converged:
-                return number
+                return number, _entries(factors)
             fill_modal_force(s, area, interface, amplitudes, force)
         ends = acceleration[number : number + 2]
         commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
@@ -327,4 +397,4 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
             contact.traction[:] = t
         records[number, STRAIN] = strain_energy(motion, modal, contact.jump, reference, area)
         record_contact(records[number], accumulated, iterations, status)
-    return acceleration.shape[0] - 1
+    return acceleration.shape[0] - 1, _entries(factors)
