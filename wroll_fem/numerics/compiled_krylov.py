@@ -3,11 +3,12 @@
 The loop alternates between its own products and `extend`::
 
     start(space, b)
+    left = 1.0                               # residual, relative to b
     for k in range(most):
         space.directions[k] = P b_k          # b_k = space.vectors[k], P approximates the inverse of A
         space.vectors[k + 1] = A space.directions[k]
-        left = extend(space, k)              # residual, relative to b
-    combine(space, k, x)
+        left *= extend(space, k)
+    combine(space, k + 1, x)
 
 The directions are kept, so that the preconditioner may change from one iteration to the next.
 

@@ -325,7 +325,6 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
     for number in range(acceleration.shape[0] - 1):
         h, q_hat = predict(motion, acceleration[number + 1], step, modal)
         iterations = 0
-        converged = True
         if n > 0:
             g_hat[:] = reference.jump
             add_free_jump(q_hat, interface, amplitudes, g_hat)
@@ -336,14 +335,15 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
             fresh, krylov_iterations = False, KRYLOV_ITERATIONS
             included[:] = False
             while size > newton.limit:
-                if iterations == newton.max_iterations and krylov_iterations > 0:  # once more, without GMRES
+                if iterations == newton.max_iterations and krylov_iterations > 0:
+                    # once more, from a new matrix and without GMRES: cycles depend on where the iteration starts
                     iterations, krylov_iterations, have_factor = 0, 0, False
                     _extrapolate(state, g)
                     size = _residual(g_hat, interface, reference, contact, laws, dt, here, amplitudes)
+                    history[1:] = 0.0
                     included[:] = False
                 if iterations == newton.max_iterations:
-                    converged = False
-                    break
+                    return number, _entries(factors)
                 lags = False
                 if not have_factor:
                     consistent_tangent(g, contact.jump, contact.elastic_slip, laws, dt, tangent)
@@ -381,8 +381,6 @@ def advance_steps(acceleration, step, modal, interface, reference, laws, state, 
                     if fresh and (rate > STUCK_RATE or iterations > ALL_POINTS):
                         _include(rho, size, iterations, included)
                 fresh = False
-            if not converged:
-                return number, _entries(factors)
             fill_modal_force(s, area, interface, amplitudes, force)
         ends = acceleration[number : number + 2]
         commit_motion(ends, step, modal, h, q_hat, force, motion, accumulated, records[number])
