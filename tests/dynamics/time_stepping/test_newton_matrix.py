@@ -9,15 +9,19 @@ from wroll_fem.contact import kernels
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.cyclic_blocks import without_tangential_springs
 from wroll_fem.dynamics.reduction.interface_operator import Compliance, InterfaceOperator
-from wroll_fem.dynamics.time_stepping import condensed, condensed_kernel
-from wroll_fem.dynamics.time_stepping.condensed_kernel import _factor, _factored
-from wroll_fem.dynamics.time_stepping.condensed_kernel import _krylov_step as krylov_step
-from wroll_fem.dynamics.time_stepping.condensed_kernel import _newton_step as newton_step
+from wroll_fem.dynamics.reduction.newton_matrix import (
+    KRYLOV_TOLERANCE,
+    _factor,
+    factored,
+    krylov_step,
+    newton_step,
+    workspace,
+)
+from wroll_fem.dynamics.time_stepping import condensed
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.simulate import make_stepper, simulate
 from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.numerics import lu
-from wroll_fem.numerics.compiled_krylov import krylov_space
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
 
@@ -84,23 +88,23 @@ def test_newton_steps_are_exact_from_either_compliance(open_share, slides):
         change[np.ix_(dofs, dofs)] = tangent[k] - np.diag(springs[dofs])
     rho = rng.normal(size=3 * n)
     expected = -np.linalg.solve(np.eye(3 * n) + compliance @ change, rho)
-    included, amplitudes, delta = np.zeros(n, np.bool_), np.zeros((1, 3 * n)), np.zeros(3 * n)
+    delta, step = np.zeros(3 * n), np.zeros(3 * n)
     taken = []
     for others in (nothing, found[1]):
         interface = InterfaceOperator(np.zeros(2, np.int64), np.zeros(0), profiles, found[0], others)
-        factors = _factored(tangent, springs, status, included, interface)
-        newton_step(factors, interface, area, springs, rho, amplitudes, delta)
+        work = workspace(interface, n, 90)
+        work.tangent[:] = tangent
+        factors = factored(interface, springs, status, work)
+        newton_step(factors, interface, area, springs, rho, work, delta)
         np.testing.assert_allclose(delta, expected, atol=2e-4 * np.abs(expected).max())
         taken.append(factors)
         # from the factors of another state of a point, GMRES gives the same step to its tolerance
-        other = tangent.copy()
-        other[3] = 0.0 if open_share < 1.0 else np.diag([40.0, 40.0, 60.0])
-        before = _factored(other, springs, status, included, interface)
-        space, work = krylov_space(3 * n, 90), np.zeros(3 * n)
-        step = np.zeros(3 * n)
-        assert krylov_step(before, tangent, interface, area, springs, rho, 90, work, amplitudes, space, step)
+        work.tangent[3] = 0.0 if open_share < 1.0 else np.diag([40.0, 40.0, 60.0])
+        before = factored(interface, springs, status, work)
+        work.tangent[:] = tangent
+        assert krylov_step(before, interface, area, springs, rho, 90, work, step)
         matrix = np.eye(3 * n) + compliance @ change
-        assert np.linalg.norm(matrix @ step + rho) <= 1.01 * condensed_kernel.KRYLOV_TOLERANCE * np.linalg.norm(rho)
+        assert np.linalg.norm(matrix @ step + rho) <= 1.01 * KRYLOV_TOLERANCE * np.linalg.norm(rho)
     assert [one.slides for one in taken] == [False, slides]
     assert not slides or len(taken[1].active) < len(taken[0].active)
 

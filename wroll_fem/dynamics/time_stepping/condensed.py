@@ -33,10 +33,11 @@ import numpy as np
 from wroll_fem.dynamics.reduction.condensation import Condensation, condense
 from wroll_fem.dynamics.reduction.interface_operator import Compliance, InterfaceOperator
 from wroll_fem.dynamics.reduction.modal_step import inverse_blocks, modal_step
+from wroll_fem.dynamics.reduction.newton_matrix import no_factors
 from wroll_fem.dynamics.statics.contact_springs import reference_stiffness
 from wroll_fem.dynamics.statics.contact_state import ContactState, TrialContact
 from wroll_fem.dynamics.system.system import System
-from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, advance_steps, no_factors
+from wroll_fem.dynamics.time_stepping.condensed_kernel import CondensedState, advance_steps
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.modal_kernel import correction
 from wroll_fem.dynamics.time_stepping.state import ContactMemory, Modal, Motion, Newton, Reference
