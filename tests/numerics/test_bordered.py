@@ -18,6 +18,8 @@ COUNT = 700
 class Springs:
     """Unknowns y with stiffnesses that a parameter p changes: (1 + p a) y + c tanh(y) = f + p g."""
 
+    zero = -np.inf
+
     def __init__(self, *, sudden: float = 0.0) -> None:
         rng = np.random.default_rng(3)
         self.change = rng.uniform(-0.2, 0.2, COUNT)

@@ -7,12 +7,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from wroll_fem.dynamics.periodic.harmonic_balance import BAND_SCALE
 from wroll_fem.numerics.continuation import LARGE, StepControl, correct, follow
 from wroll_fem.typing import FloatArray
 
 
 class Circle:
     """Unit circle with a linear equation beside it: y^2 + p^2 = 1 and 3 x - y = 0; unknowns (x, y, p)."""
+
+    zero = -np.inf
 
     def __init__(self) -> None:
         self.jacobians = 0
@@ -23,6 +26,35 @@ class Circle:
     def jacobian(self, z: FloatArray) -> FloatArray:
         self.jacobians += 1
         return np.array([[3.0, -1.0, 0.0], [0.0, 2.0 * z[1], 2.0 * z[2]]])
+
+    def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        matrix = self.jacobian(z)
+        return lambda v: matrix @ v
+
+    def describe(self, z: FloatArray) -> str:
+        return str(z)
+
+
+class Resonance:
+    """Damped oscillator with the unknowns and scales of a response curve: motion over its size at 1 % damping."""
+
+    def __init__(self, damping_ratio: float, low: float, high: float) -> None:
+        self.zeta, self.low, self.per_unit = damping_ratio, low, (high - low) / BAND_SCALE
+        self.zero = -low / self.per_unit
+
+    def _matrix(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Dynamic stiffness (2, 2) for the natural frequency 1, and its derivative with respect to p."""
+        w = self.low + z[-1] * self.per_unit
+        damping, slope = 2.0 * self.zeta * w, 2.0 * self.zeta
+        matrix = np.array([[1.0 - w**2, damping], [-damping, 1.0 - w**2]])
+        return matrix, np.array([[-2.0 * w, slope], [-slope, -2.0 * w]]) * self.per_unit
+
+    def residual(self, z: FloatArray) -> FloatArray:
+        return self._matrix(z)[0] @ z[:2] - np.array([0.04, 0.0])
+
+    def jacobian(self, z: FloatArray) -> FloatArray:
+        matrix, slope = self._matrix(z)
+        return np.column_stack([matrix, slope @ z[:2]])
 
     def derivative(self, z: FloatArray) -> Callable[[FloatArray], FloatArray]:
         matrix = self.jacobian(z)
@@ -66,6 +98,22 @@ def test_large_problems_get_more_iterations() -> None:
     assert large.usual > control.usual
     assert large.max_iterations > control.max_iterations
     assert large.tolerance == control.tolerance
+
+
+@pytest.mark.parametrize("factor", [1.0, 2.5])
+def test_no_resonance_is_passed_over(factor: float) -> None:
+    """Bands of 0.05 to 3 times the resonance frequency, damping ratios of 0.2 to 5 %; 120 oscillators, seed 5."""
+    rng, counts = np.random.default_rng(5), []
+    for _ in range(120):
+        zeta, width = np.exp(rng.uniform(np.log([0.002, 0.05]), np.log([0.05, 3.0])))
+        low = 1.0 - rng.uniform(0.05, 0.95) * min(width, 1.0)
+        problem = Resonance(zeta, low, low + width)
+        start = np.append(np.linalg.solve(problem._matrix(np.zeros(3))[0], [0.04, 0.0]), 0.0)
+        points = follow(problem, start, BAND_SCALE, StepControl().longer(factor))
+        highest = max(float(np.linalg.norm(p.z[:2])) for p in points)
+        assert highest > 0.6 * 0.04 / (2.0 * zeta)
+        counts.append(len(points))
+    assert np.mean(counts) < 70 / factor**0.5
 
 
 def test_a_rough_curve_has_a_rough_tolerance() -> None:

@@ -31,6 +31,8 @@ class StepControl:
     ----------
     first, smallest, largest : step lengths along the arc; ``largest`` is multiplied by the norm of y if this
         norm is above 1
+    ratio : largest change of the physical parameter in one step, relative to its value. Beside a narrow resonance, the
+        tangent is nearly the same on both sides, and a longer step can pass over it.
     angle : target rotation of the tangent per step, rad
     blunt : step length up to which a step is accepted at any rotation (the onset of slip is a kink); multiplied by the
         norm of y if this norm is above 1
@@ -46,6 +48,7 @@ class StepControl:
     first: float = 0.05
     smallest: float = 1e-4
     largest: float = 0.3
+    ratio: float = 0.3
     angle: float = 0.2
     blunt: float = 0.01
     tolerance: float = 1e-7
@@ -55,10 +58,15 @@ class StepControl:
     chord: float = 0.01
 
     def longer(self, factor: float) -> StepControl:
-        """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves (1: no change)."""
+        """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves (1: no change).
+
+        ``ratio`` is smaller: these curves may turn by larger angles in a step, and the tangents on both sides of a
+        resonance differ by less than such an angle unless its flanks are near.
+        """
         return replace(
-            self, first=factor * self.first, largest=factor * self.largest, angle=factor * self.angle,
-            chord=factor**2 * self.chord, tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,
+            self, first=factor * self.first, largest=factor * self.largest, ratio=self.ratio / factor,
+            angle=factor * self.angle, chord=factor**2 * self.chord,
+            tolerance=(ROUGH if factor > 1.0 else 1.0) * self.tolerance,
         )  # fmt: skip
 
     def suited_to(self, unknowns: int) -> StepControl:
@@ -274,12 +282,12 @@ def follow(
             break
         size = float(np.linalg.norm(last.z[:-1]))
         long = max(1.0, size)
-        step = min(step, control.largest * long)
+        step = min(step, control.largest * long, _reach(problem, last, control))
         found = _next(problem, last, step, end, border, factor, control)
         history = found.history
         if found.z is not None:
             tangent, factor, new_sign = tangent_at(problem, found.near, last.tangent, found.factor)
-            turn = float(np.arccos(np.clip(tangent @ last.tangent, -1.0, 1.0)))
+            turn = _turn(last, found.z, tangent)
             strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
                 points.append(CurvePoint(found.z, tangent, len(history), new_sign == sign))
@@ -298,6 +306,18 @@ def follow(
                 raise _with_points(_stalled(what, problem.describe(last.z), history), points)
             step = leaps.pop(0) * control.first
     return points
+
+
+def _turn(last: CurvePoint, z: FloatArray, tangent: FloatArray) -> float:
+    """Largest angle between the tangents at two points and their chord; a chord outside leads to another branch."""
+    chord = (z - last.z) / np.linalg.norm(z - last.z)
+    return float(np.arccos(np.clip(min(tangent @ last.tangent, chord @ last.tangent, chord @ tangent), -1.0, 1.0)))
+
+
+def _reach(problem: CurveProblem, last: CurvePoint, control: StepControl) -> float:
+    """Step length that changes the physical parameter by `StepControl.ratio`."""
+    value = abs(last.z[-1] - problem.zero)
+    return control.ratio * value / max(abs(float(last.tangent[-1])), 1e-300)
 
 
 def _next(

@@ -37,19 +37,16 @@ BAND_SCALE = 3.0
 """Length of the frequency band in scaled unknowns. It sets the weight of the frequency in the arc length of a curve. In
 the same scale, the Nyquist circle of a resonance with 1 % damping has a circumference of about 2 pi."""
 
-
 LARGEST_GROWTH, HIGHER, HIGHEST_GROWTH = 500.0, 2.0, 2000.0
 """Transmissibility up to which a resonance is followed. It corresponds to a damping ratio of 0.1 %. With less material
 damping, a resonance is followed up to `HIGHER` times the peak of the structure with sticking interfaces, at most up to
 `HIGHEST_GROWTH`."""
-
 
 LEAST_SHARE = 0.02
 """Tip participation of a coordinate, relative to the largest one, below which it does not count as a resonance."""
 
 LARGEST_OVERTONES = 0.5
 """Energy norm of the higher harmonics, relative to the whole motion, above which an internal resonance is assumed."""
-
 
 LARGEST_DRIFT = 30.0
 """Energy norm of the mean displacement, relative to the larger of the norm of the oscillation and the size by which
@@ -213,7 +210,10 @@ class ScaledMotions(ABC):
     balance : equations of the harmonic balance
     shape : shape (R, m) of the Fourier coefficients
     active : (k,) indices of the unknowns in the flattened coefficients, see `HarmonicContact.active`
+    zero : see `CurveProblem`
     """
+
+    zero = -np.inf
 
     def __init__(self, balance: HarmonicBalance):
         self.balance = balance
@@ -247,6 +247,7 @@ class FrequencyCurve(ScaledMotions):
         self.root = np.sqrt(np.maximum(balance.model.eigenvalues, 0.0) + band[0] * band[1])
         self.size = size  # J^(1/2)
         self.per_unit = (band[1] - band[0]) / BAND_SCALE
+        self.zero = -band[0] / self.per_unit
 
     def scaled(self, coefficients: FloatArray, frequency: float) -> FloatArray:
         """(n + 1,) scaled unknowns of a motion (R, m) at ``frequency`` (rad/s)."""
