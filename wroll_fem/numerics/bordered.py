@@ -32,14 +32,11 @@ NEWTON, TANGENT = 0.05, 1e-4
 
 
 class CurveProblem(Protocol):
-    """Equations F(z) = 0 of a curve of solutions z (n + 1,); the last entry of z is the curve parameter.
-
-    ``zero`` is the value of this entry at which the physical parameter is zero; infinite if there is none.
-    """
+    """Equations F(z) = 0 of a curve of solutions z (n + 1,); the last entry of z is the curve parameter."""
 
     @property
     def zero(self) -> float:
-        """See above."""
+        """Curve parameter at which the physical parameter (a frequency) is zero; infinite if there is none."""
         ...
 
     def residual(self, z: FloatArray) -> FloatArray:

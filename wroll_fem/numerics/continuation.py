@@ -31,8 +31,8 @@ class StepControl:
     ----------
     first, smallest, largest : step lengths along the arc; ``largest`` is multiplied by the norm of y if this
         norm is above 1
-    ratio : largest change of the physical parameter in one step, relative to its value. Beside a narrow resonance, the
-        tangent is nearly the same on both sides, and a longer step can pass over it.
+    ratio : largest change of the physical parameter in one step, relative to its value. A longer step could pass over
+        a narrow resonance, because the tangent is nearly the same on both sides of it.
     angle : target rotation of the tangent per step, rad
     blunt : step length up to which a step is accepted at any rotation (the onset of slip is a kink); multiplied by the
         norm of y if this norm is above 1
@@ -60,8 +60,8 @@ class StepControl:
     def longer(self, factor: float) -> StepControl:
         """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves (1: no change).
 
-        ``ratio`` is smaller: these curves may turn by larger angles in a step, and the tangents on both sides of a
-        resonance differ by less than such an angle unless its flanks are near.
+        ``ratio`` becomes smaller: a step may then turn the tangent by a larger angle, and between two points far from
+        a resonance, on both sides of it, the tangent turns by less.
         """
         return replace(
             self, first=factor * self.first, largest=factor * self.largest, ratio=self.ratio / factor,
@@ -309,7 +309,10 @@ def follow(
 
 
 def _turn(last: CurvePoint, z: FloatArray, tangent: FloatArray) -> float:
-    """Largest angle between the tangents at two points and their chord; a chord outside leads to another branch."""
+    """Largest angle, rad, between the tangents at two points and their chord.
+
+    On a smooth curve the chord lies between the tangents. Where it does not, the step has left its branch.
+    """
     chord = (z - last.z) / np.linalg.norm(z - last.z)
     return float(np.arccos(np.clip(min(tangent @ last.tangent, chord @ last.tangent, chord @ tangent), -1.0, 1.0)))
 
