@@ -60,7 +60,7 @@ def shaken(mesh: str) -> Shaken:
     path = LoadPath(system, start)
     modal_path(path, main_mode(system, path), np.geomspace(1.0, 9.0, 13))
     model = ReducedModel.complete(path_modes(path))
-    contact = HarmonicContact(model, start, system.laws, Sampling(7, 64))
+    contact = HarmonicContact(model, start, system.laws, Sampling(9, 128))  # seven miss 0.5 % of the tip at 5 g
     return Shaken(path, contact, wf.run(case, progress=False))
 
 
@@ -87,7 +87,7 @@ def test_modes_of_the_path_contain_the_stuck_mode() -> None:
 
 @pytest.mark.parametrize("level", [g if g == 5.0 else pytest.param(g, marks=pytest.mark.slow) for g in LEVELS])
 def test_the_path_has_the_peak_of_harmonic_balance(level: float) -> None:
-    """Seven harmonics; tip 1.5 %, frequency 0.2 %, damping 1.5 %, energy 1e-6."""
+    """Nine harmonics; tip 1.5 %, frequency 0.2 %, damping 1.5 %, energy 1e-6."""
     found, expected = curve(level), shaken(mesh_of(level)).quasi_static.sel(amplitude_g=level)
     model = found.balance.model
     tips = np.array([np.hypot(*(q[1:3] @ model.tip)) for q in found.coefficients])
