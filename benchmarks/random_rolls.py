@@ -308,7 +308,7 @@ def page(reports: list[dict[str, Any]]) -> list[str]:
     return [
         f"{len(rolls)} random valid rolls (numbers {ranges(rolls)}), of {TARGET} from the generator (seed {SEED}):",
         "1 to 4 layers, all bases and tips, 5 to 200 kPa, friction 0.05 to 1, 0.05 to 3 g, 14 x 7 cells.",
-        "Limit of 60 CPU s per case (slow sweeps: `--limit 180`),",
+        "Limit of 60 CPU s per case (slow sweeps: `--limit 600`),",
         "mesh, preload and modes included; `told` is a failure whose cause was printed within 15 CPU s, `late` one",
         "whose cause came after that, `stopped` one without. Computed by",
         "`.venv/bin/python benchmarks/random_rolls.py --out FILE`, and this page from FILE by",
