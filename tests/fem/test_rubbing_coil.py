@@ -31,6 +31,7 @@ from wroll_fem.dynamics.time_stepping.stepper import NewtonOptions
 from wroll_fem.errors import InputError
 from wroll_fem.fem.coil import coil_heights, mesh_coil
 from wroll_fem.fem.rubbing_coil import clamped_nodes
+from wroll_fem.fem.solid import SolidModel
 from wroll_fem.mesh.generate import build_mesh, roll_stations
 from wroll_fem.progress import SilentProgress
 from wroll_fem.signals.base_motion import Dwell
@@ -103,6 +104,19 @@ def test_a_model_of_half_the_roll_gives_the_same_matrices_of_motion() -> None:
         u = spla.spsolve(matrix.tocsc(), one.mass @ one.influence)
         found.append((float(one.probes["tip"] @ u), float(u @ (one.mass @ one.influence))))
     assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("base", ["free", "inner_edge", "clamped"])
+def test_half_of_a_coil_counted_twice_has_the_matrices_of_the_whole(base: str) -> None:
+    case = roll(mesh=COARSE, coil={"base": base})
+    model = SolidModel(*mesh_coil(case, build_mesh(case).part("mandrel")))
+    whole, mass = model.orthotropic_stiffness(case.coil.solid()), model.mass(case.coil.solid().rho)
+    for symmetric in (True, False):
+        coil = build_bodies(case, symmetric=symmetric)[1]
+        for ours, nodal in ((coil.stiffness, whole), (coil.mass, mass)):
+            exact = coil.solid.expand.T @ nodal @ coil.solid.expand
+            assert abs(ours - exact).max() < 1e-14 * abs(exact).max()
+        assert coil.mass_total == pytest.approx(500.0 * model.volume, rel=1e-14)
 
 
 @pytest.mark.parametrize("symmetric", [True, False])

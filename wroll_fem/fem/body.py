@@ -14,11 +14,12 @@ from wroll_fem.bodies.wall import LayeredSection, WallTable
 from wroll_fem.case.material import IsotropicMaterial
 from wroll_fem.case.supports import TipInertia
 from wroll_fem.errors import InputError
-from wroll_fem.fem.coil import assemble_coil, bond_coil, tidy
+from wroll_fem.fem.coil import assemble_coil, bond_coil
 from wroll_fem.fem.constraints import Constraints, base_influence, build_constraints
 from wroll_fem.fem.layered_shell import shell_model
 from wroll_fem.fem.rubbing_coil import assemble_rubbing_coil
 from wroll_fem.fem.shell import AnySection, ShellModel, ShellSection, radial_director
+from wroll_fem.fem.solid import tidy
 from wroll_fem.fem.trace import SurfaceTrace, half_circumference
 from wroll_fem.mesh.contact_points import ContactPoints, contact_points_between
 from wroll_fem.mesh.generate import build_mesh, shell_layout

@@ -27,8 +27,8 @@ from wroll_fem.bodies.body import Body, SolidPart
 from wroll_fem.errors import InputError
 from wroll_fem.fem import compat
 from wroll_fem.fem.constraints import Constraints, base_influence, mirrored_values
-from wroll_fem.fem.shell import drop_small, radial_director
-from wroll_fem.fem.solid import SolidModel, thicken
+from wroll_fem.fem.shell import radial_director
+from wroll_fem.fem.solid import constrained_matrices, thicken, tidy
 from wroll_fem.mesh.generate import annulus_borders, axial_stations, with_borders
 from wroll_fem.mesh.shells import VTK_GRID, CylinderMesh
 from wroll_fem.typing import BoolArray, FloatArray, IntArray
@@ -119,20 +119,20 @@ def assemble_coil(roll: RollSections, part: CylinderMesh, shell: Constraints, *,
             remedy="use coil.base: free, or mandrel.base: clamped",
         )
     nodes, cells = mesh_coil(roll, part)
-    model = SolidModel(nodes, cells)
     bond = wall_offset(part.nodes, 0.5 * roll.geometry.mandrel_thickness) @ shell.expand
     clamped = part.groups["base"] if roll.coil.base == "clamped" else np.empty(0, np.int64)
     expand, component = bonded_map(part.nodes, len(nodes) // len(part.nodes), bond, clamped, symmetric=symmetric)
     material = roll.coil.solid()
     ordered = in_vtk_order(nodes, cells)
-    stiffness = model.orthotropic_stiffness(material, between_wraps=roll.coil.inside == "stiff")
-    mass = model.mass(material.rho)
+    stiffness, mass, volume = constrained_matrices(
+        nodes, cells, expand, material, between_wraps=roll.coil.inside == "stiff", symmetric=symmetric
+    )
     return CoilMatrices(
-        stiffness=(expand.T @ stiffness @ expand).tocsr(),
-        mass=(expand.T @ mass @ expand).tocsr(),
+        stiffness=stiffness,
+        mass=mass,
         component=component,
         part=SolidPart(
-            nodes, len(nodes) // len(part.nodes), ordered, expand, material.rho * model.volume, skin_quads(ordered)
+            nodes, len(nodes) // len(part.nodes), ordered, expand, material.rho * volume, skin_quads(ordered)
         ),
     )
 
@@ -275,13 +275,6 @@ def pad(matrix: sp.spmatrix, columns: int, *, rows: bool = False) -> sp.csr_matr
     padded = sp.csr_matrix(matrix, copy=True)
     padded.resize(padded.shape[0] + (columns if rows else 0), padded.shape[1] + columns)
     return padded
-
-
-def tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
-    """Symmetric part of a matrix, in CSR format with sorted indices and without entries at rounding level."""
-    result = drop_small(((matrix + matrix.T) * 0.5).tocsr())
-    result.sort_indices()
-    return result
 
 
 def skin_quads(cells: IntArray) -> IntArray:

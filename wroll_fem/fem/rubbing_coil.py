@@ -21,10 +21,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from wroll_fem.bodies.body import Body, SolidPart, Trace
-from wroll_fem.fem.coil import in_vtk_order, mesh_coil, own_unknowns, skin_quads, tidy
+from wroll_fem.fem.coil import in_vtk_order, mesh_coil, own_unknowns, skin_quads
 from wroll_fem.fem.constraints import base_influence
 from wroll_fem.fem.shell import ShellModel, radial_director
-from wroll_fem.fem.solid import SolidModel
+from wroll_fem.fem.solid import constrained_matrices
 from wroll_fem.fem.trace import SurfaceTrace, half_circumference
 from wroll_fem.mesh.contact_points import ContactPoints
 from wroll_fem.mesh.shells import CylinderMesh
@@ -63,27 +63,30 @@ def assemble_rubbing_coil(
     clamped = np.zeros(len(nodes), bool)
     clamped[clamped_nodes(roll, part, nodes)] = True
     expand, node, component = own_unknowns(part.nodes, layers, clamped, symmetric=symmetric)
-    model, material = SolidModel(nodes, cells), roll.coil.solid()
+    material = roll.coil.solid()
+    stiffness, mass, volume = constrained_matrices(
+        nodes, cells, expand, material, between_wraps=not roll.coil.slips, symmetric=symmetric
+    )
     face = sp.hstack([sp.identity(3 * n), sp.csr_matrix((3 * n, 3 * n * (layers - 1)))], format="csr") @ expand
     outer = sp.hstack([sp.csr_matrix((3 * n, 3 * n * (layers - 1))), sp.identity(3 * n)], format="csr") @ expand
     middle = float(np.hypot(*part.nodes[:, :2].T).mean())
     inner_radius = 0.5 * roll.geometry.mandrel_outer_diameter
     outward = shell.area_load(-(inner_radius + roll.coil.total_thickness) / middle * radial_director(part.nodes))
     ordered = in_vtk_order(nodes, cells)
-    mass = material.rho * model.volume
+    total = material.rho * volume
     return Body(
         name=NAME,
-        stiffness=tidy(expand.T @ model.orthotropic_stiffness(material, between_wraps=not roll.coil.slips) @ expand),
-        mass=tidy(expand.T @ model.mass(material.rho) @ expand),
+        stiffness=stiffness,
+        mass=mass,
         influence=base_influence(component, symmetric),
         expand=sp.csr_matrix((0, expand.shape[1])),
         nodes=np.empty((0, 3)),
         cells=np.empty((0, 9), np.int64),
         traces={"inner": _inner_trace(shell, contact, face, inner_radius, middle, symmetric)},
         pressure_force=np.asarray(outer.T @ outward.reshape(-1, 6)[:, :3].ravel()),
-        mass_total=mass,
+        mass_total=total,
         symmetric=symmetric,
-        solid=SolidPart(nodes, layers, ordered, expand, mass, skin_quads(ordered)),
+        solid=SolidPart(nodes, layers, ordered, expand, total, skin_quads(ordered)),
         unknown_node=node,
         unknown_component=component,
     )

@@ -143,17 +143,20 @@ class SolidModel:
         work = sum(s * e for s, e in zip(sigma, eps_v, strict=True))
         return compat.compile_form(self._alpha * work * self._dx(_FULL) + (1 - self._alpha) * work * self._dx(_REDUCED))
 
-    def orthotropic_stiffness(self, material: CylindricalOrthotropic, *, between_wraps: bool = True) -> sp.csr_matrix:
+    def orthotropic_stiffness(
+        self, material: CylindricalOrthotropic, *, between_wraps: bool = True, expand: sp.csr_matrix | None = None
+    ) -> sp.csr_matrix:
         """(3 n_nodes, 3 n_nodes) stiffness, N/m; the material axes are the directions r, theta, z of the roll.
 
-        Without ``between_wraps`` the shear stiffnesses G_rz and G_rt are zero.
+        Without ``between_wraps`` the shear stiffnesses G_rz and G_rt are zero. A map ``expand`` (3 n_nodes, n) from
+        unknowns to nodal displacements gives the (n, n) stiffness of these unknowns.
         """
         C = material.stiffness()
         if not between_wraps:
             C[[4, 5], [4, 5]] = 0.0
         for (i, j), constant in self._constants.items():
             constant.value = C[i, j]
-        return self._ordered(self._orthotropic_form)
+        return self._ordered(self._orthotropic_form, expand)
 
     # ---- isotropy --------------------------------------------------------------------------------------------------
 
@@ -168,12 +171,62 @@ class SolidModel:
         reduced = (1 - self._alpha) * ufl.inner(sigma, eps_v) * self._dx(_REDUCED)
         return self._ordered(compat.compile_form(full + reduced))
 
-    def mass(self, rho: float) -> sp.csr_matrix:
-        """(3 n_nodes, 3 n_nodes) consistent mass for the density rho (kg/m^3), kg."""
+    def mass(self, rho: float, *, expand: sp.csr_matrix | None = None) -> sp.csr_matrix:
+        """(3 n_nodes, 3 n_nodes) consistent mass for the density rho (kg/m^3), kg; ``expand`` as for the stiffness."""
         density = fem.Constant(self.mesh, float(rho))
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        return self._ordered(compat.compile_form(density * ufl.inner(u, v) * self._dx(_FULL)))
+        return self._ordered(compat.compile_form(density * ufl.inner(u, v) * self._dx(_FULL)), expand)
 
-    def _ordered(self, form: Any) -> sp.csr_matrix:
-        matrix = compat.assemble_csr(form)[self.dof_order][:, self.dof_order]
-        return drop_small(((matrix + matrix.T) * 0.5).tocsr())
+    def _ordered(self, form: Any, expand: sp.csr_matrix | None = None) -> sp.csr_matrix:
+        place = np.argsort(self.dof_order)
+        own = sp.identity(len(place), format="csr")[place] if expand is None else expand[place]
+        matrix = compat.assemble_csr(form) @ own
+        return tidy(own.T.tocsr() @ matrix)
+
+
+def tidy(matrix: sp.spmatrix) -> sp.csr_matrix:
+    """Symmetric part of a matrix, in CSR format with sorted indices and without entries at rounding level."""
+    symmetric = sp.csr_matrix(matrix + matrix.T)
+    symmetric.data *= 0.5
+    result = drop_small(symmetric)
+    result.sort_indices()
+    return result
+
+
+def constrained_matrices(
+    nodes: FloatArray,
+    cells: IntArray,
+    expand: sp.csr_matrix,
+    material: CylindricalOrthotropic,
+    *,
+    between_wraps: bool,
+    symmetric: bool,
+) -> tuple[sp.csr_matrix, sp.csr_matrix, float]:
+    """Stiffness (N/m) and mass (kg) of a solid coil for its unknowns, and its volume, m^3.
+
+    Of motions that are symmetric about the x-z plane, both halves of the coil store the same energy: the half y > 0 is
+    assembled and counted twice, if the plane does not cut its cells.
+
+    Parameters
+    ----------
+    nodes, cells
+        Nodes (n_nodes, 3), m, and cells (n_cells, 27) of the whole coil, as returned by `thicken`.
+    expand
+        (3 n_nodes, n) map from the n unknowns to the nodal displacements.
+    material, between_wraps
+        See `SolidModel.orthotropic_stiffness`.
+    symmetric
+        Whether all motions that ``expand`` allows are symmetric about the x-z plane.
+    """
+    wall, copies = float(np.ptp(np.hypot(*nodes[:, :2].T))), 1.0
+    upper = (nodes[cells, 1] > -1e-9 * np.abs(nodes).max()).all(axis=1)
+    if symmetric and 2 * upper.sum() == len(cells):
+        kept, cells = np.unique(cells[upper], return_inverse=True)
+        cells = cells.reshape(-1, 27)
+        nodes, expand, copies = nodes[kept], expand[(3 * kept[:, None] + np.arange(3)).ravel()], 2.0
+    model = SolidModel(nodes, cells, wall)
+    stiffness = model.orthotropic_stiffness(material, between_wraps=between_wraps, expand=expand)
+    mass = model.mass(material.rho, expand=expand)
+    for matrix in (stiffness, mass):
+        matrix.data *= copies
+    return stiffness, mass, copies * model.volume

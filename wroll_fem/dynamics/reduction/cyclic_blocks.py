@@ -60,8 +60,7 @@ class Blocks:
         self.area = system.laws.area.reshape(-1, n_theta)
         theta = system.interfaces[0].points[:n_theta, 0] if system.interfaces else np.zeros(1)
         self.profiles = np.array([[space.profile(theta) for space in block] for block in spaces])
-        self._stiffness = system.with_interface_springs(springs).tocsr()
-        self._mass = system.mass.tocsr()
+        self._springs = system.interface_springs(springs)
 
     def __len__(self) -> int:
         return len(self.spaces)
@@ -77,11 +76,11 @@ class Blocks:
 
     def stiffness(self, block: int) -> sp.csr_matrix:
         """(k, k) stiffness matrix of a block; it includes the interface springs."""
-        return self._projected(self._stiffness, block)
+        return self._projected(self.system.stiffness, block) + self._projected(self._springs, block)
 
     def mass(self, block: int) -> sp.csr_matrix:
         """(k, k) mass matrix of a block."""
-        return self._projected(self._mass, block)
+        return self._projected(self.system.mass, block)
 
     def damping(self, block: int) -> sp.csr_matrix | None:
         """(k, k) viscous damping matrix of a block; None without damping."""
@@ -101,15 +100,17 @@ class Blocks:
     def _decoupled(self) -> bool:
         """Whether the blocks are uncoupled, tested with one random motion of every subspace."""
         rng = np.random.default_rng(0)
-        for matrix in (self._stiffness, self._mass, self.system.damping):
-            if matrix is None or not matrix.nnz:
+        system = self.system
+        for matrices in ((system.stiffness, self._springs), (system.mass,), (system.damping,)):
+            present = [matrix for matrix in matrices if matrix is not None and matrix.nnz]
+            if not present:
                 continue
             bases = [self.basis(b) for b in range(len(self))]
             motions = np.column_stack([basis @ rng.standard_normal(basis.shape[1]) for basis in bases])
-            energy = motions.T @ (matrix @ motions)
+            energy = np.sum([motions.T @ (matrix @ motions) for matrix in present], axis=0)
             own = np.diag(energy)
             scale = np.sqrt(np.outer(own, own))
-            if matrix is self.system.damping:  # the dashpots may be local, and damp some blocks only
+            if present[0] is system.damping:  # the dashpots may be local, and damp some blocks only
                 scale = np.maximum(scale, own.max())
             if np.abs((energy - np.diag(own)) / scale).max() > DECOUPLING:
                 return False

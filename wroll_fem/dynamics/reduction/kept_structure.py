@@ -120,5 +120,5 @@ def _fingerprint(system: System) -> bytes:
             csr = sp.csr_matrix(matrix)
             rows += [csr.data, csr.indices, csr.indptr]
     for values in rows:
-        found.update(np.ascontiguousarray(values).tobytes())
+        found.update(np.ascontiguousarray(values).data)
     return found.digest()

@@ -75,7 +75,8 @@ def missed(system: System, modes: Condensation) -> float:
     share = [np.abs(part).max(initial=0.0) for part in np.split(modes.base, modes.blocks[1:-1])]
     block = int(np.argmax(share))
     basis, ritz = modes.vectors[block]
-    stiffness = (basis.T @ system.with_interface_springs(modes.springs)) @ basis
+    parts = (system.stiffness, system.interface_springs(modes.springs))
+    stiffness = sum((basis.T @ part) @ basis for part in parts)
     contact = system.contact_force(np.random.default_rng(0).standard_normal(system.n_points * COMPONENTS))
     loads = basis.T @ np.column_stack([system.mass @ system.influence, system.probes["tip"], contact])
     exact = np.einsum("ij,ij->j", loads, factorise(stiffness.tocsc()).solve(np.ascontiguousarray(loads)))

@@ -211,11 +211,15 @@ class System:
         """(3 n_points,) area of each contact degree of freedom, m^2."""
         return per_dof(self.laws.area, self.laws.area)
 
-    def with_interface_springs(self, stiffness: FloatArray) -> sp.csc_matrix:
-        """K + G^T W diag(stiffness) G for springs of ``stiffness`` (3 n_points,) Pa/m per contact degree of freedom."""
+    def interface_springs(self, stiffness: FloatArray) -> sp.csr_matrix:
+        """G^T W diag(stiffness) G for springs of ``stiffness`` (3 n_points,) Pa/m per contact degree of freedom."""
         if not self.interfaces:
-            return self.stiffness.tocsc()
-        return (self.stiffness + self.jump.T @ sp.diags(self.weights * stiffness) @ self.jump).tocsc()
+            return sp.csr_matrix(self.stiffness.shape)
+        return (self._spread @ sp.diags(self.weights * stiffness) @ self.jump).tocsr()
+
+    def with_interface_springs(self, stiffness: FloatArray) -> sp.csc_matrix:
+        """K and the `interface_springs` of ``stiffness`` (3 n_points,), Pa/m."""
+        return (self.stiffness + self.interface_springs(stiffness)).tocsc()
 
     @cached_property
     def tie_springs(self) -> FloatArray:
@@ -300,8 +304,8 @@ class System:
                     probes[name] = np.zeros(n)
                     probes[name][cols] = np.asarray(operator[direction].todense()).ravel()
         return cls(
-            stiffness=sp.block_diag([b.stiffness for b in bodies], format="csr"),
-            mass=sp.block_diag([b.mass for b in bodies], format="csr"),
+            stiffness=_stacked([b.stiffness for b in bodies]),
+            mass=_stacked([b.mass for b in bodies]),
             influence=np.concatenate([b.influence[:, direction] for b in bodies]),
             interfaces=tuple(interfaces),
             probes=probes,
@@ -309,6 +313,18 @@ class System:
             subspaces=cyclic_subspaces(bodies),
             pressures=tuple(float(pressure) for pressure in pressures),
         )
+
+
+def _stacked(matrices: Sequence[sp.csr_matrix]) -> sp.csr_matrix:
+    """Block diagonal matrix; `scipy.sparse.block_diag` needs several times its memory, gigabytes for a refined coil."""
+    parts = [sp.csr_matrix(matrix) for matrix in matrices]
+    starts = np.cumsum([0, *(part.shape[0] for part in parts)])
+    entries = np.cumsum([0, *(part.nnz for part in parts)])
+    index = parts[0].indices.dtype if entries[-1] < np.iinfo(np.int32).max else np.dtype(np.int64)
+    columns = np.concatenate([part.indices + index.type(start) for part, start in zip(parts, starts, strict=False)])
+    ends = [part.indptr[1:].astype(index) + index.type(of) for part, of in zip(parts, entries, strict=False)]
+    pointers = np.concatenate([np.zeros(1, index), *ends])
+    return sp.csr_matrix((np.concatenate([part.data for part in parts]), columns, pointers), shape=2 * (starts[-1],))
 
 
 def _check_damping(damping: sp.csr_matrix, n: int) -> None:
