@@ -55,8 +55,8 @@ def stress_of_curve(system: System, state: ContactState, progress: Progress, cur
     peak = int(np.abs(curve.transmissibility).argmax())
     motion = curve.coefficients[peak]  # (R, m)
     harmonics = (len(motion) - 1) // 2
-    series = Sampling(harmonics, max(SAMPLES, 4 * harmonics + 4)).values @ motion  # (samples, m)
-    shapes = model.condensation.displacement(model.vectors)
+    series = Sampling(harmonics, max(SAMPLES, 4 * harmonics + 4)).values  # (samples, R)
+    shapes = model.condensation.displacement(model.vectors @ motion.T)
     found = [shell.resultants(shapes) @ series.T + shell.resultants(state.displacement)[:, None] for shell in shells]
     return _largest(shells, found)
 

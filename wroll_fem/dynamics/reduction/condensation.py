@@ -116,9 +116,11 @@ class Condensation:
         return float(np.sqrt(max(self.eigenvalues[main], 0.0)) / (2.0 * np.pi)), float(share[main])
 
     def displacement(self, q: FloatArray) -> FloatArray:
-        """(n_dofs,) displacement from modal coordinates (r,)."""
-        parts = np.split(q, self.blocks[1:-1])
-        return np.sum([basis @ (ritz @ part) for (basis, ritz), part in zip(self.vectors, parts, strict=True)], axis=0)
+        """(n_dofs, ...) displacement from modal coordinates (r, ...)."""
+        total = np.zeros((self.vectors[0][0].shape[0], *q.shape[1:]))
+        for (basis, ritz), part in zip(self.vectors, np.split(q, self.blocks[1:-1]), strict=True):
+            total += basis @ (ritz @ part)  # one block after the other: the shapes of a refined coil take gigabytes
+        return total
 
     def compliance(self, inverse: Sequence[FloatArray], area: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Interface compliance G V A V^T G^T W (V: mode shapes), by block and assembled for all points.
@@ -315,17 +317,19 @@ def viscous_damping(
 
 def _series_span(stiffness: sp.spmatrix, mass: sp.spmatrix, loads: FloatArray, moments: int) -> FloatArray:
     """(k, m) orthonormal basis of the first ``moments`` terms of K^{-1} L, K^{-1} M K^{-1} L, ...; L (k, n): loads."""
-    factor = spla.splu(sp.csc_matrix(stiffness))
-    term, terms = factor.solve(loads), []
+    factor = factorise(stiffness)
+    right, terms = loads, []
     for _ in range(moments):
+        term = factor.solve(right)
         size = np.sqrt(np.maximum(np.einsum("ij,ij->j", term, stiffness @ term), 0.0))
         moves = size > NO_MOTION * size.max()
-        term = term[:, moves] / size[moves]
-        terms.append(term)
-        term = factor.solve(mass @ term)
-    span, triangle, _ = la.qr(np.column_stack(terms), mode="economic", pivoting=True)
+        terms.append(term[:, moves] / size[moves])
+        right = mass @ terms[-1]
+    basis, triangle = la.qr(np.column_stack(terms), mode="economic", overwrite_a=True, check_finite=False)
+    # pivots of the triangle are those of all terms, which would take LAPACK three times as long
+    turn, triangle, _ = la.qr(triangle, mode="economic", pivoting=True, check_finite=False)
     weight = np.abs(np.diag(triangle))
-    return np.asarray(span[:, weight > DEPENDENT * weight[0]])
+    return np.asarray(basis @ turn[:, weight > DEPENDENT * weight[0]])
 
 
 def _attachment_projection(
