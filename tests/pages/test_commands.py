@@ -144,6 +144,7 @@ ELSEWHERE = {
     ".venv/bin/python -m tools.shaker_table": "tests/tools/test_shaker_table.py runs it on made-up readings",
     ".venv/bin/python -m tools.flight_table": "tests/tools/test_flight_table.py runs it on coarse results",
     ".venv/bin/python benchmarks/shock_spectra.py": "tests/tools/test_shock_spectra.py runs it without pyyeti",
+    ".venv/bin/python benchmarks/flight_meshes.py --page": "tests/tools/test_flight_meshes.py makes the page",
     ".venv/bin/python benchmarks/random_rolls.py --page": "tests/tools/test_random_rolls.py makes the page",
     ".venv/bin/python tools/notebook_pages.py": "executes the notebooks, as tests/pages/test_notebooks.py does",
 }

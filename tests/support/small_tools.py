@@ -4,6 +4,11 @@ from __future__ import annotations
 
 TOOLS: dict[str, list[tuple[str, str]]] = {
     "benchmarks/estimates.py": [('glob("*.yaml")', 'glob("tiny.yaml")')],
+    "benchmarks/flight_meshes.py": [
+        ('"irosa": (5e4, 2e5, 2e6), "sspp": (1e5, 5e5, 2e6), "habex": (5e4, 1e5, 2e5, 2e6)', '"irosa": (2e6,)'),
+        ('"irosa": (2e5, 5e5, 2e6), "sspp": (1e4, 1e5, 5e5, 2e6), "habex": (2e5, 5e5, 2e6)', '"irosa": ()'),
+        ("default=[*NAMES]", 'default=["irosa"]'),
+    ],
     "benchmarks/hyper_reduction.py": [
         (
             "TOLERANCES = ((2e-2, np.inf), (1e-2, np.inf), (5e-3, np.inf), (2e-3, np.inf), (5e-3, 2e-3), (5e-3, 1e-3), "

@@ -27,11 +27,12 @@ def test_a_roll_has_the_symmetry_and_an_uneven_one_has_none() -> None:
     assert HalfPeriod.of(condensation, preload, system.laws._replace(mu=uneven)) is None
 
 
-@pytest.mark.parametrize("twisted", [False, True])
-def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
+@pytest.mark.parametrize(("twisted", "seed"), [(False, 5), (False, 8), (False, 15), (True, 5)])
+def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool, seed: int) -> None:
     """Gross slip, which forgets how it began: every point evaluated, against one of each pair and half the unknowns.
 
-    A roll with a wall of angle plies has no mirror plane; half a turn maps its points onto each other.
+    The points of a pair start half a period apart, so the first period has to end at the motion itself, wherever its
+    samples are. A roll with a wall of angle plies has no mirror plane; half a turn maps its points onto each other.
     """
     roll = small_roll(8, 3, TWISTED, mirrored=False) if twisted else small_roll(12, 4)
     system, preload, condensation = roll
@@ -39,7 +40,7 @@ def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
     model = Structure.of(condensation, preload, system.laws, sampling, 8).first_model()
     half = HarmonicContact(model, preload, system.laws, sampling, symmetry=symmetry)
     every = HarmonicContact(model, preload, system.laws, sampling)
-    rng = np.random.default_rng(5)
+    rng = np.random.default_rng(seed)
     q = np.zeros((sampling.size, model.size))
     q.ravel()[half.active] = rng.standard_normal(len(half.active))
     reach = np.abs(every.motion(q)[: 2 * every.n])
@@ -50,7 +51,7 @@ def test_one_point_of_each_pair_gives_the_forces_of_all(twisted: bool) -> None:
     np.testing.assert_allclose(half.spread(half.motion(q)), every.motion(q), atol=1e-12 * np.abs(every.motion(q)).max())
     spread, scale = half.spread(one.coefficients), np.abs(all_points.coefficients).max()
     for dofs in every.dofs[slides].T:
-        np.testing.assert_allclose(spread[dofs], all_points.coefficients[dofs], atol=1e-6 * scale)
+        np.testing.assert_allclose(spread[dofs], all_points.coefficients[dofs], atol=1e-9 * scale)
     anything = rng.standard_normal(one.coefficients.shape)  # a leftover traction in the plane of the mirror as well
     force = modal_force(condensation, half.all_weights[:, None] * half.spread(anything))
     even = sampling.orders % 2 == 0

@@ -66,7 +66,7 @@ class Sampling:
     def shifted(self, shift: float) -> tuple[Series, FloatArray, FloatArray]:
         """Fourier series, ramp and its change per sample, at samples that are later by ``shift`` (in samples).
 
-        The ramp remains the same function of the phase.
+        The ramp remains the same function of the phase; its last value is 1.
         """
         if shift == 0.0:
             return Series(self.values, self.velocities, self.project), self.ramp, self.ramp_rate
@@ -116,12 +116,14 @@ def _fill_series(series, orders, shift, values, velocities, project):
 def _fill_ramp(shift, ramp, ramp_rate):
     """Fill the factor (N + 1,) on the motion in the first period, half a cosine, and its change per sample.
 
-    The N samples are later by ``shift`` (in samples).
+    The N samples are later by ``shift`` (in samples). The last factor is 1 for every shift: the periodic motion goes on
+    from there.
     """
     count = ramp.shape[0] - 1
     for j in range(count + 1):
         grown = min(max((j + shift) / count, 0.0), 1.0)
         ramp[j], ramp_rate[j] = 0.5 * (1.0 - np.cos(np.pi * grown)), 0.5 * np.pi / count * np.sin(np.pi * grown)
+    ramp[count] = 1.0
 
 
 def mean_phase(weights: FloatArray, cosine: FloatArray, sine: FloatArray) -> float:
