@@ -307,7 +307,8 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     )  # fmt: skip
     data = run_analysis(case, progress=SilentProgress())
     steady = summarise(data, case)
-    chirp = case.changed("analysis=sweep", "integrator.steps_per_cycle=60")  # at 30 the step lowers the peak by 2 %
+    # at 30 steps the peak is 2 % low; in a basis the least pressure, at one point and time, is 2 to 4 % low
+    chirp = case.changed("analysis=sweep", "integrator.steps_per_cycle=60", "solver.method=condensed")
     swept = summarise(run_analysis(chirp, progress=SilentProgress()), chirp)
     assert steady["f_n_hz"] == pytest.approx(swept["f_n_hz"], rel=3e-3)
     assert steady["peak_transmissibility"] == pytest.approx(swept["peak_transmissibility"], rel=0.01)
@@ -318,7 +319,7 @@ def test_a_slow_chirp_traces_the_harmonic_balance(pressure: str) -> None:
     assert float(data["friction_modal_damping"][top]) == pytest.approx(by_height, rel=0.05)
     assert steady["slipping_area_fraction"][0] > 0.02
     assert steady["open_area_fraction"] == swept["open_area_fraction"] == [0.0]
-    assert steady["min_pressure_over_preload"] == pytest.approx(swept["min_pressure_over_preload"], rel=0.02)
+    assert steady["min_pressure_over_preload"] == pytest.approx(swept["min_pressure_over_preload"], rel=0.01)
 
 
 @pytest.mark.slow
