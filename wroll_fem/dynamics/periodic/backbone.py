@@ -26,13 +26,13 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.contact.point import normals
 from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
-from wroll_fem.dynamics.periodic.first_guesses import carried_along, first_guesses
+from wroll_fem.dynamics.periodic.first_guesses import carried_along, corrected_from, first_guesses
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance, ScaledMotions
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState, contact_energy_limit
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.numerics.bordered import fill_scaled
-from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, correct, follow, solve_at
+from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, follow, solve_at
 from wroll_fem.typing import FloatArray
 
 LENGTH = 10.0
@@ -248,13 +248,15 @@ class BackboneCurve:
 
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None,
-        only: Container[int] | None = None,
+        only: Container[int] | None = None, exact: HarmonicContact | None = None,
     ) -> BackboneCurve:  # fmt: skip
         """Curve at the same amplitudes in another model; for the arguments see `HarmonicCurve.moved_to`."""
         shift = self.balance.model.vectors.T @ contact.model.vectors
         old = self.problem
         mode = int(np.argmax(np.abs(shift[old.mode])))
-        problem, factor = ModalMotion(HarmonicBalance(contact, 0.0), mode, old.amplitudes), None
+        contacts = [contact] if exact is None else [contact, exact]
+        problems = [ModalMotion(HarmonicBalance(one, 0.0), mode, old.amplitudes) for one in contacts]
+        problem, factor = problems[-1], None
         found, before = list[CurvePoint](), list[FloatArray]()
         row = np.append(np.zeros(len(problem.active) + 2), 1.0)
         for k, q in enumerate(self.coefficients):
@@ -262,10 +264,8 @@ class BackboneCurve:
             places = [problem.scaled(g / size, self.frequencies[k], self.damping[k], size) for g in guesses]
             before.append(places[-1])
             at = Corrected(places[-1], [], places[-1], factor)
-            for start in places if only is None or k in only else ():
-                at = correct(problem, start, row, control, kept=at.factor, chord=starts is None)
-                if at.z is not None:
-                    break
+            if only is None or k in only:
+                at = corrected_from(problems, places, row, control, kept=factor, chord=starts is None)
             factor = at.factor
             if at.z is not None:
                 along = self.tangents[k]

@@ -1,14 +1,15 @@
-"""First guesses of the motions of a curve in another reduced model."""
+"""Motions of a curve in another reduced model: first guesses, and the solution from the first one that converges."""
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.numerics.continuation import CurvePoint
+from wroll_fem.numerics.bordered import Bordered
+from wroll_fem.numerics.continuation import Corrected, CurvePoint, CurveProblem, StepControl, correct
 from wroll_fem.typing import FloatArray
 
 
@@ -31,6 +32,24 @@ def first_guesses(
         return [same]
     other = starts[number] @ model.vectors
     return [same] if np.allclose(other, same, atol=0.0) else [other, same]
+
+
+def corrected_from(
+    problems: Sequence[CurveProblem], places: Sequence[FloatArray], row: FloatArray, control: StepControl, *,
+    kept: Bordered | None, chord: bool,
+) -> Corrected:  # fmt: skip
+    """Solution from the first of the ``places`` (n + 1,) that converges; see `correct` for the other arguments.
+
+    ``problems`` have the same equations. Where the first, with an approximate Jacobian, converges from no place, the
+    next one is tried.
+    """
+    found = Corrected(None, [], places[-1], kept)
+    for number, problem in enumerate(problems):
+        for place in places:
+            found = correct(problem, place, row, control, kept=found.factor, chord=chord and number == 0)
+            if found.z is not None:
+                return found
+    return found
 
 
 def carried_along(points: list[CurvePoint], places: FloatArray, solved: Container[int]) -> list[CurvePoint]:

@@ -11,7 +11,7 @@ from wroll_fem.contact.laws import PointLaws
 from wroll_fem.dynamics.aft.harmonic_contact import MAX_PERIODS, HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.branches import STEEP, Branches
-from wroll_fem.dynamics.periodic.first_guesses import carried_along, first_guesses
+from wroll_fem.dynamics.periodic.first_guesses import carried_along, corrected_from, first_guesses
 from wroll_fem.dynamics.periodic.harmonic_balance import (
     BAND_SCALE,
     FrequencyCurve,
@@ -21,7 +21,7 @@ from wroll_fem.dynamics.periodic.harmonic_balance import (
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
-from wroll_fem.numerics.continuation import CurvePoint, StepControl, correct
+from wroll_fem.numerics.continuation import CurvePoint, StepControl
 from wroll_fem.typing import FloatArray
 
 BESIDE = 0.3
@@ -105,17 +105,20 @@ class HarmonicCurve:
 
     def moved_to(
         self, contact: HarmonicContact, control: StepControl, starts: FloatArray | None = None,
-        only: Container[int] | None = None,
+        only: Container[int] | None = None, exact: HarmonicContact | None = None,
     ) -> HarmonicCurve:  # fmt: skip
         """Curve whose points are recomputed in another model; points that fail to converge are left out.
 
         Each point is sought in the plane normal to the curve. ``starts`` (p, R, r) are first guesses in modal
         coordinates. By default, the first guesses are the motions of this curve. Points that are not in ``only`` are
-        shifted like their neighbours, no solutions; by default, all are recomputed.
+        shifted like their neighbours, no solutions; by default, all are recomputed. ``exact`` is the same contact with
+        an exact Jacobian, for points that do not converge with that of ``contact``.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
-        balance = HarmonicBalance(contact, self.balance.acceleration)
-        problem, factor = FrequencyCurve(balance, self.problem.band, self.problem.size), None
+        band, size, acceleration, factor = self.problem.band, self.problem.size, self.balance.acceleration, None
+        contacts = [contact] if exact is None else [contact, exact]
+        problems = [FrequencyCurve(HarmonicBalance(one, acceleration), band, size) for one in contacts]
+        problem = problems[-1]
         found, before = list[CurvePoint](), list[FloatArray]()
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
@@ -132,10 +135,7 @@ class HarmonicCurve:
                 aside = BESIDE * float(np.linalg.norm(places[0] - last)) * row
                 places += [places[0] - aside, places[0] + aside]
             steps = control.suited_to(len(row))
-            for start in places:
-                z, history, _, factor = correct(problem, start, row, steps, kept=factor, chord=starts is None)
-                if z is not None:
-                    break
+            z, history, _, factor = corrected_from(problems, places, row, steps, kept=factor, chord=starts is None)
             if z is not None:
                 found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
         found = found if only is None else carried_along(found, np.array(before), only)

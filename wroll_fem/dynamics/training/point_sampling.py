@@ -88,9 +88,7 @@ class PointSampling:
         if self.wanted and self.motions is not None and whole.n >= FEWEST:
             if self._latest is None:
                 self._latest = sampled(whole, self.motions)
-            found = points.moved_to(level.contact(model, tangent=self._latest), control, starts, only)
-            if len(found.frequencies) == len(points.frequencies):
-                return found
+            return points.moved_to(level.contact(model, tangent=self._latest), control, starts, only, exact=whole)
         return points.moved_to(whole, control, starts, only)
 
     def curve(
@@ -125,9 +123,7 @@ class PointSampling:
             return part.extended(whole)
         loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations)
         starts = part.coefficients @ model.vectors.T
-        done = part.moved_to(level.contact(model, tangent=sample), loose, starts)
-        if len(done.frequencies) < len(part.frequencies):
-            done = part.moved_to(whole, control, starts)
+        done = part.moved_to(level.contact(model, tangent=sample), loose, starts, exact=whole)
         if len(done.frequencies) < len(part.frequencies):
             return follow(whole, factor)
         at = chosen(done)
