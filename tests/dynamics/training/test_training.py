@@ -99,6 +99,44 @@ def test_a_curve_of_which_some_points_were_recomputed_ends_as_one_of_solutions(
             assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(trained.curve.balance.load())
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
+def test_a_curve_that_loses_a_point_when_it_is_completed_is_computed_anew(
+    tolerance: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also in the last pass, and where no basis reaches the tolerance but the error is small enough for a warning."""
+    system, preload, condensation = small_roll(12, 4)
+    asked = {"amplitude": 5.0, "frequencies": (140.0, 165.0), "tolerance": tolerance}
+    monkeypatch.setattr(training, "COARSE", 1.0)
+    monkeypatch.setattr(course, "MOVABLE", 1e9)
+    monkeypatch.setattr(course, "SPARSE", 10.0)
+    rounds = 3
+    if tolerance == 1e-4:
+        rounds = trained_response(condensation, preload, system.laws, **asked).rounds
+    again, solve, lost, followed = enrichment._ResponseTask.again, enrichment._ResponseTask.solve, [], []
+
+    def losing(self, points, model, starts=None, only=None):  # type: ignore[no-untyped-def]
+        found = again(self, points, model, starts, only)
+        if starts is None and only is None:
+            lost.append(len(found.frequencies))
+            return found.take(list(range(1, len(found.frequencies))))
+        return found
+
+    def counted(self, model, factor):  # type: ignore[no-untyped-def]
+        followed.append(factor)
+        return solve(self, model, factor)
+
+    monkeypatch.setattr(enrichment._ResponseTask, "again", losing)
+    monkeypatch.setattr(enrichment._ResponseTask, "solve", counted)
+    found = trained_response(condensation, preload, system.laws, **asked, max_rounds=rounds)
+    assert len(lost) == 1
+    assert len(followed) == 2  # the first curve, and the one anew
+    assert found.rounds == rounds
+    assert found.energy_error < (tolerance if tolerance == 1e-4 else course.DOUBTFUL)
+    for q, w in zip(found.curve.coefficients, found.curve.frequencies, strict=True):
+        residual, _ = found.curve.balance.residual(q, w)
+        assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(found.curve.balance.load())
+
+
 def test_points_between_solutions_are_shifted_like_them() -> None:
     """A shift that is linear along the curve is found exactly; beyond the last solution it is constant."""
     x = np.array([0.0, 1.0, 1.5, 4.0, 6.0, 7.0])

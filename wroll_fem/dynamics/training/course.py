@@ -123,20 +123,19 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         if ends:
             break
         if checked.error <= course.tolerance and not checked.coarse and not checked.unsure:
+            checked = course.whole(checked, anew=True)
             if checked.stopped is not None:
                 raise checked.stopped
-            whole = course.completed(checked)
-            if whole is not None:
-                return whole.accepted()
-            continue
+            if checked.error <= course.tolerance:
+                return checked.accepted()
         if number == training.max_rounds:
             break
         course.enrich(checked)
         if course.size > training.most_vectors:
             break
-    whole = course.completed(checked)
-    if whole is not None and whole.stopped is None and whole.error <= DOUBTFUL:
-        return whole.accepted()
+    checked = course.whole(checked, anew=checked.error <= DOUBTFUL)
+    if checked.stopped is None and checked.error <= DOUBTFUL:
+        return checked.accepted()
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
@@ -144,7 +143,7 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         residual_history=[checked.error],
         advice=checked.advice,
     )
-    failure.partial = (whole or checked).curve
+    failure.partial = checked.curve
     raise failure
 
 
@@ -223,12 +222,20 @@ class _Course(Generic[Curve]):
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
 
-    def completed(self, checked: _Checked[Curve]) -> _Checked[Curve] | None:
-        """The curve with all its points in the present basis; None if one does not converge, for a curve anew."""
+    def whole(self, checked: _Checked[Curve], *, anew: bool) -> _Checked[Curve]:
+        """The curve with all its points in the present basis; if one does not converge, a curve ``anew`` in this basis.
+
+        Raises
+        ------
+        ConvergenceError
+            If the new curve has fewer than three points, or ends in every basis.
+        """
         if not checked.partial:
             return checked
         curve = self._solved(checked.curve)
-        return None if curve is None else replace(checked, curve=curve, partial=False)
+        if curve is not None:
+            return replace(checked, curve=curve, partial=False)
+        return self.next_curve(checked.number) if anew else checked
 
     def _solved(self, curve: Curve) -> Curve | None:
         found = self._task.again(curve, self._model)
