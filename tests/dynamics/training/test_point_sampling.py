@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -101,6 +102,23 @@ def random_roll(seed: int) -> tuple[tuple[str, ...], float]:
     slip, amplitude = 10.0 ** random.uniform(-6.3, -5.7), random.uniform(3.0, 8.0)
     friction = f"contact.friction={{law: penalty_coulomb, mu: {mu:.3f}, elastic_slip: {slip:.3e}}}"
     return (friction, f"preload.pressure={pressure:.4e}"), amplitude
+
+
+def test_points_that_fail_with_the_matrix_of_a_subset_take_that_of_all() -> None:
+    """All points with a negative area: Newton's method fails with this matrix at every point."""
+    structure, trained, whole, _ = roll()
+    size = np.abs(trained.curve.transmissibility)
+    near = np.flatnonzero(size > 0.5 * size.max())
+    points = trained.curve.take(near[:: max(1, len(near) // 5)].tolist())
+    far = replace(points, coefficients=1.1 * points.coefficients)
+    poor = structure.contact(whole.model, tangent=PointSample(np.arange(whole.n), np.full(whole.n, -1.0)))
+    assert not len(far.moved_to(poor, StepControl()).frequencies)
+    largest = []
+    for found in (far.moved_to(poor, StepControl(), exact=whole), far.moved_to(whole, StepControl())):
+        motions = zip(found.coefficients, found.frequencies, strict=True)
+        largest.append(max(float(np.linalg.norm(found.balance.residual(q, w)[0])) for q, w in motions))
+        assert len(found.frequencies) == len(points.frequencies)
+    assert largest[0] <= 1.01 * largest[1] < 1e-4 * np.linalg.norm(found.balance.load())
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 4))])

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.numerics.bordered import Bordered
-from wroll_fem.numerics.continuation import Corrected, CurvePoint, CurveProblem, StepControl, correct
+from wroll_fem.numerics.bordered import Bordered, CurveProblem
+from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, correct
 from wroll_fem.typing import FloatArray
 
 
