@@ -137,6 +137,26 @@ def test_a_curve_that_loses_a_point_when_it_is_completed_is_computed_anew(
         assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(found.curve.balance.load())
 
 
+def test_an_acceptable_curve_is_kept_when_the_basis_grows_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No curve is computed in a basis above the limit: it may be worse, and the training may end without a curve."""
+    system, preload, condensation = small_roll(12, 4)
+    sizes: list[int] = []
+
+    def response():  # type: ignore[no-untyped-def]
+        sizes.clear()
+        return trained_response(
+            condensation, preload, system.laws, amplitude=5.0, frequencies=(140.0, 165.0), tolerance=1e-12,
+            on_round=lambda number, model, error: sizes.append(model.size),
+        )  # fmt: skip
+
+    response()
+    largest = sizes[-2]
+    monkeypatch.setattr(course, "LARGEST_BASIS", largest)
+    found = response()
+    assert max(sizes) <= largest
+    assert 1e-12 < found.energy_error <= course.DOUBTFUL
+
+
 def test_points_between_solutions_are_shifted_like_them() -> None:
     """A shift that is linear along the curve is found exactly; beyond the last solution it is constant."""
     x = np.array([0.0, 1.0, 1.5, 4.0, 6.0, 7.0])

@@ -30,7 +30,8 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 this limit applies. Corrections from linearised equations do not converge if they are this large."""
 
 LARGEST_BASIS = 250
-"""Number of basis vectors above which the training ends: a curve would take minutes."""
+"""Number of basis vectors above which the training ends: a curve would take minutes. If the last curve is `acceptable`,
+it is the result."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
 """From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
@@ -87,6 +88,11 @@ class _Checked(Generic[Curve]):
         return self.beyond > UNSURE and self.number < SURE_ROUNDS
 
     @property
+    def acceptable(self) -> bool:
+        """Whether the curve is complete and accurate enough to be returned, with a warning above the tolerance."""
+        return self.stopped is None and self.error <= DOUBTFUL
+
+    @property
     def advice(self) -> str:
         """What to try if no basis reaches the tolerance: a larger one, or the frequency where every basis fails."""
         if self.error <= CLOSE:
@@ -131,10 +137,10 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         if number == training.max_rounds:
             break
         course.enrich(checked)
-        if course.size > training.most_vectors:
+        if course.size > training.most_vectors or (course.size > LARGEST_BASIS and checked.acceptable):
             break
     checked = course.whole(checked, anew=checked.error <= DOUBTFUL)
-    if checked.stopped is None and checked.error <= DOUBTFUL:
+    if checked.acceptable:
         return checked.accepted()
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
