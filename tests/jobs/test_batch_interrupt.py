@@ -34,7 +34,7 @@ LONG = f"""
 base: {CONFIGS / "oscillator.yaml"}
 grid:
   analysis: [dwell]
-  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 120}}]
+  excitation: [{{kind: dwell, amplitude: 6.0, frequency: 11.0, cycles: 400}}]
   contact.friction: [{{law: penalty_coulomb, mu: 0.3, elastic_slip: 1.0e-5}}]
   integrator.steps_per_cycle: [60, 20]
   solver.checkpoint_seconds: [0.1]
