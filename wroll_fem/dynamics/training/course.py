@@ -30,8 +30,8 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 this limit applies. Corrections from linearised equations do not converge if they are this large."""
 
 LARGEST_BASIS = 250
-"""Number of basis vectors above which the training ends: a curve would take minutes. If the last curve is `acceptable`,
-it is the result."""
+"""Number of basis vectors above which the training ends: a curve would take minutes. If the last curve is `acceptable`
+and not coarse, it is the result."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
 """From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
@@ -137,7 +137,8 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
         if number == training.max_rounds:
             break
         course.enrich(checked)
-        if course.size > training.most_vectors or (course.size > LARGEST_BASIS and checked.acceptable):
+        kept = checked.acceptable and not checked.coarse
+        if course.size > training.most_vectors or (course.size > LARGEST_BASIS and kept):
             break
     checked = course.whole(checked, anew=checked.error <= DOUBTFUL)
     if checked.acceptable:
