@@ -260,7 +260,7 @@ class BackboneCurve:
         found, before = list[CurvePoint](), list[FloatArray]()
         row = np.append(np.zeros(len(problem.active) + 2), 1.0)
         for k, q in enumerate(self.coefficients):
-            size, guesses = float(np.linalg.norm(q[1:3])), first_guesses(q, shift, contact.model, starts, k)
+            size, guesses = float(np.linalg.norm(q[1:3])), first_guesses(q, shift, starts, k)
             places = [problem.scaled(g / size, self.frequencies[k], self.damping[k], size) for g in guesses]
             before.append(places[-1])
             at = Corrected(places[-1], [], places[-1], factor)

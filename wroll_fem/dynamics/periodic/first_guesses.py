@@ -7,30 +7,29 @@ from dataclasses import replace
 
 import numpy as np
 
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.numerics.bordered import Bordered, CurveProblem
 from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, correct
 from wroll_fem.typing import FloatArray
 
 
 def first_guesses(
-    motion: FloatArray, shift: FloatArray, model: ReducedModel, starts: FloatArray | None, number: int
+    motion: FloatArray, shift: FloatArray, starts: FloatArray | None, number: int
 ) -> list[FloatArray]:
-    """Motions (R, m) from which a motion is sought in ``model``, the most promising one first.
+    """Motions (R, m) from which a motion is sought in another model, the most promising one first.
 
     Parameters
     ----------
     motion
         (R, k) Fourier coefficients in the model before.
     shift
-        (k, m) map from its coordinates to those of ``model``.
+        (k, m) map from its coordinates to those of the other model.
     starts, number
-        (p, R, r) further guesses in modal coordinates, and the number of the motion among them; None without any.
+        (p, R, m) further guesses, and the number of the motion among them; None without any.
     """
     same = motion @ shift
     if starts is None:
         return [same]
-    other = starts[number] @ model.vectors
+    other = starts[number]
     return [same] if np.allclose(other, same, atol=0.0) else [other, same]
 
 

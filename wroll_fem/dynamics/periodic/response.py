@@ -109,8 +109,8 @@ class HarmonicCurve:
     ) -> HarmonicCurve:  # fmt: skip
         """Curve whose points are recomputed in another model; points that fail to converge are left out.
 
-        Each point is sought in the plane normal to the curve. ``starts`` (p, R, r) are first guesses in modal
-        coordinates. By default, the first guesses are the motions of this curve. Points that are not in ``only`` are
+        Each point is sought in the plane normal to the curve. ``starts`` (p, R, m) are first guesses in the
+        other model. By default, the first guesses are the motions of this curve. Points that are not in ``only`` are
         shifted like their neighbours, no solutions; by default, all are recomputed. ``exact`` is the same contact with
         an exact Jacobian, for points that do not converge with that of ``contact``.
         """
@@ -124,7 +124,7 @@ class HarmonicCurve:
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]
             row = np.append(along, self.tangents[k, -1])
             row /= np.linalg.norm(row)
-            guesses = first_guesses(q, shift, contact.model, starts, k)
+            guesses = first_guesses(q, shift, starts, k)
             places = [problem.scaled(guess, w) for guess in guesses]
             before.append(places[-1])
             if only is not None and k not in only:

@@ -47,7 +47,7 @@ def enriched(
     if anew and max(f.energy for f in found) < LINEAR:
         motions = _modal(points) + np.array([f.modal.T for f in found])
         corrected = principal_span(condensation, motions, POINT_SHARE * training.tolerance, symmetry)
-        moved = task.again(points, corrected, motions)
+        moved = task.again(points, corrected, motions @ corrected.vectors)
         if len(moved.frequencies) == wanted:
             model, points, found = corrected, moved, task.check(moved, training.rough)
     for number in range(POINT_ROUNDS + 1):
@@ -59,8 +59,12 @@ def enriched(
         if not large:
             break
         model = joined(structure, training, model, [found[k] for k in large])
-        starts = _modal(points) + np.array([f.modal.T if f.energy < LINEAR else 0.0 * f.modal.T for f in found])
-        points = task.again(points.take(large), model, starts[large])
+        points = points.take(large)
+        starts = points.coefficients @ (points.balance.model.vectors.T @ model.vectors)
+        for start, k in zip(starts, large, strict=True):
+            if found[k].energy < LINEAR:
+                start += found[k].modal.T @ model.vectors
+        points = task.again(points, model, starts)
         if not len(points.frequencies):
             break
         found = task.check(points, training.rough)

@@ -122,8 +122,7 @@ class PointSampling:
         if factor > 1.0:
             return part.extended(whole)
         loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations)
-        starts = part.coefficients @ model.vectors.T
-        done = part.moved_to(level.contact(model, tangent=sample), loose, starts, exact=whole)
+        done = part.moved_to(level.contact(model, tangent=sample), loose, part.coefficients, exact=whole)
         if len(done.frequencies) < len(part.frequencies):
             return follow(whole, factor)
         at = chosen(done)

@@ -67,7 +67,7 @@ class Task(Protocol[Curve]):
     ) -> Curve:
         """Curve with those of its points that converge in another model.
 
-        ``starts`` (p, R, r) are first guesses in modal coordinates; by default they are the motions of the points. With
+        ``starts`` (p, R, m) are first guesses in the other model; by default they are the motions of the points. With
         given ones the motions only serve the basis, and are less accurate. With ``only``, the other points follow
         without being solutions.
         """
