@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wroll_fem.numerics.krylov import gmres
+from wroll_fem.numerics.krylov import gmres, gmres_together
 from wroll_fem.typing import FloatArray
 
 
@@ -92,3 +92,22 @@ def test_the_residual_never_grows_even_where_the_map_is_nearly_singular() -> Non
     b = rng.normal(size=150)
     found = gmres(lambda z: matrix @ z, b, tolerance=1e-3, iterations=80).solution
     assert np.linalg.norm(matrix @ found - b) < np.linalg.norm(b)
+
+
+def test_systems_solved_together_are_those_solved_one_by_one(matrix: FloatArray) -> None:
+    """Systems of different sizes of the solution space: those that end early are asked for no more."""
+    rng = np.random.default_rng(5)
+    matrices = [matrix, 2.0 * np.eye(60), matrix + 0.1 * np.diag(rng.random(60)), matrix]
+    sides = [rng.normal(size=60), rng.normal(size=60), rng.normal(size=60), np.zeros(60)]
+    asked = []
+
+    def apply(numbers: list[int], arrays: list[FloatArray]) -> list[FloatArray]:
+        asked.append(list(numbers))
+        return [matrices[number] @ z for number, z in zip(numbers, arrays, strict=True)]
+
+    found = gmres_together(apply, sides, tolerance=1e-8, iterations=60)
+    for number, one in enumerate(found):
+        alone = gmres(lambda z, number=number: matrices[number] @ z, sides[number], tolerance=1e-8, iterations=60)
+        np.testing.assert_array_equal(one.solution, alone.solution)
+    assert asked[:2] == [[0, 1, 2], [0, 2]]
+    assert gmres_together(apply, [], tolerance=1e-8, iterations=60) == []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +63,42 @@ def gmres(
     ----------
     Saad, Schultz (1986), SIAM J. Sci. Stat. Comput. 7, 856, doi:10.1137/0907058.
     """
+    return gmres_together(
+        lambda _, arrays: [apply(arrays[0])], [b], tolerance=tolerance, iterations=iterations,
+        plus_identity=plus_identity,
+    )[0]  # fmt: skip
+
+
+def gmres_together(
+    apply: Callable[[Sequence[int], Sequence[np.ndarray]], Sequence[np.ndarray]],
+    sides: Sequence[np.ndarray],
+    *,
+    tolerance: float,
+    iterations: int,
+    plus_identity: bool = False,
+) -> list[Solved]:
+    """Solve several systems as `gmres` does, with one call of ``apply`` per iteration for all that are not solved yet.
+
+    ``apply`` takes the numbers of the systems and one array for each; ``sides`` are the right-hand sides.
+    """
+    runs = [_iterations(b, tolerance, iterations, plus_identity) for b in sides]
+    asked, found = dict[int, np.ndarray](), dict[int, Solved]()
+    answers: dict[int, np.ndarray | None] = dict.fromkeys(range(len(runs)))
+    while answers:
+        asked.clear()
+        for number, answer in answers.items():
+            try:
+                asked[number] = next(runs[number]) if answer is None else runs[number].send(answer)
+            except StopIteration as end:
+                found[number] = end.value
+        answers = dict(zip(asked, apply(list(asked), list(asked.values())), strict=True)) if asked else {}
+    return [found[number] for number in range(len(runs))]
+
+
+def _iterations(
+    b: np.ndarray, tolerance: float, iterations: int, plus_identity: bool
+) -> Generator[np.ndarray, np.ndarray, Solved]:
+    """Iterations of `gmres`: yields the arrays to which the map is applied, and receives the results."""
     size = float(np.linalg.norm(b))
     if size == 0.0:  # also for a structure without interfaces
         return Solved(np.zeros_like(b), 0.0, np.zeros((0, 0)))
@@ -73,7 +109,7 @@ def gmres(
     turns: list[tuple[float, float]] = []
     left, count, rounding = size, 0, ROUNDING * float(np.finfo(b.dtype).eps)
     while count < iterations and left > tolerance * size:
-        w = apply(space[count].reshape(b.shape)).ravel().copy()
+        w = (yield space[count].reshape(b.shape)).ravel().copy()
         before, known = math.sqrt(w @ w), space[: count + 1]
         for _ in range(2):
             part = known @ w

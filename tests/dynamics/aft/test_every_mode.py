@@ -70,6 +70,28 @@ def test_residual_modes_yield_as_the_modes_that_they_replace(symmetric: bool) ->
     np.testing.assert_allclose(yielding(quick, values), exact, atol=2e-6 * np.abs(exact).max())
 
 
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_maps_of_several_motions_are_those_of_each(symmetric: bool) -> None:
+    system, preload, condensation = small_roll(12, 4)
+    orders = Sampling(3, 64).orders
+    every = EveryMode(condensation, HalfPeriod.of(condensation, preload, system.laws) if symmetric else None, orders)
+    rng, size = np.random.default_rng(9), len(orders)
+    for maps in (every, every.with_residual_modes(1e6)[0]):
+        precision = maps.groups[0].jump.dtype
+        close = 1e-13 if precision == np.float64 else 1e-5
+        traction = rng.standard_normal((len(every.points), 3, 3 * size)).astype(precision)
+        forces = maps.repeated(3).force(traction)
+        motion = maps.repeated(3).motion(forces)
+        for k in range(3):
+            alone = maps.force(traction[:, :, k * size : (k + 1) * size])
+            for together, part in zip(forces, alone, strict=True):
+                own = together.reshape(*part.shape[:2], 3, -1)[:, :, k]
+                np.testing.assert_allclose(own, part, rtol=0.0, atol=close * np.abs(part).max())
+            expected = maps.motion(alone)
+            moved = motion[:, :, k * size : (k + 1) * size]
+            np.testing.assert_allclose(moved, expected, rtol=0.0, atol=close * np.abs(expected).max())
+
+
 def test_a_structure_of_few_modes_keeps_them_all() -> None:
     condensation = small_roll(12, 4)[2]
     every = EveryMode(condensation, None, Sampling(3, 64).orders)

@@ -231,7 +231,7 @@ def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
         for k in range(2)
     ]
     nothing = HarmonicCurve.of_points(points.problem, [])
-    nowhere = SimpleNamespace(check=lambda *_: [], again=lambda *_: nothing)
+    nowhere = SimpleNamespace(check=lambda *_: [], again=lambda *_: nothing, full_motions=lambda *_: None)
     larger = enriched(structure, Training(tolerance=1e-9), points, found, nowhere, anew=True)
     assert larger.size > model.size
 

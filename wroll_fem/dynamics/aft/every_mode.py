@@ -127,6 +127,7 @@ class EveryMode:
         self.points = order.ravel()
         self.dofs = contact_dofs(len(self.points))[self.points]
         self._residual: dict[float, tuple[EveryMode, list[FloatArray]]] = {}
+        self._repeated: dict[int, EveryMode] = {1: self}
         kinds = [(np.arange(len(c.jump)), np.arange(len(orders)))]
         if symmetry is not None:
             reverses = symmetry.odd[c.blocks[:-1]]
@@ -156,6 +157,7 @@ class EveryMode:
         limit = CLASSES ** float(np.ceil(np.log(FAR * square) / np.log(CLASSES)))
         if limit not in self._residual:
             out = copy(self)
+            out._repeated = {1: out}
             found = [group.with_residual_modes(self._all, limit) for group in self.groups]
             out.groups = [
                 replace(group, around=group.around.astype(np.float32), jump=group.jump.astype(np.float32))
@@ -163,6 +165,19 @@ class EveryMode:
             ]
             self._residual[limit] = out, [values for _, values in found]
         return self._residual[limit]
+
+    def repeated(self, count: int) -> EveryMode:
+        """The same maps for ``count`` motions at once: R coefficients of the first one, then those of the next ones.
+
+        The coefficients of a group are those of its first motion, then those of the next ones.
+        """
+        if count not in self._repeated:
+            out = copy(self)
+            out.coefficients = count * self.coefficients
+            first = self.coefficients * np.arange(count)[:, None]
+            out.groups = [replace(group, columns=(first + group.columns).ravel()) for group in self.groups]
+            self._repeated[count] = out
+        return self._repeated[count]
 
     def split(self, values: FloatArray) -> list[FloatArray]:
         """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""

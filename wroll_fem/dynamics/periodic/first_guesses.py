@@ -12,9 +12,7 @@ from wroll_fem.numerics.continuation import Corrected, CurvePoint, StepControl, 
 from wroll_fem.typing import FloatArray
 
 
-def first_guesses(
-    motion: FloatArray, shift: FloatArray, starts: FloatArray | None, number: int
-) -> list[FloatArray]:
+def first_guesses(motion: FloatArray, shift: FloatArray, starts: FloatArray | None, number: int) -> list[FloatArray]:
     """Motions (R, m) from which a motion is sought in another model, the most promising one first.
 
     Parameters

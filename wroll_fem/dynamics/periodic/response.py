@@ -141,6 +141,19 @@ class HarmonicCurve:
         found = found if only is None else carried_along(found, np.array(before), only)
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
 
+    def carried(self, contact: HarmonicContact, motions: FloatArray) -> HarmonicCurve:
+        """Curve with other ``motions`` (p, R, r), in all modes, in a model that holds them; they are not solved for."""
+        shift = self.balance.model.vectors.T @ contact.model.vectors
+        balance = HarmonicBalance(contact, self.balance.acceleration)
+        problem = FrequencyCurve(balance, self.problem.band, self.problem.size)
+        tangents = np.array([
+            np.append((self.direction(k) @ shift * problem.root).ravel()[problem.active], self.tangents[k, -1])
+            for k in range(len(self.frequencies))
+        ])  # fmt: skip
+        return replace(
+            self, coefficients=motions @ contact.model.vectors, tangents=tangents, balance=balance, problem=problem
+        )
+
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:
         """Curve of the same motions with at least as many harmonics as ``contact``; those added have zero amplitude."""
         more = contact.sampling.size - self.coefficients.shape[1]

@@ -19,7 +19,7 @@ from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.training.correction import correction
+from wroll_fem.dynamics.training.correction import corrections
 from wroll_fem.typing import FloatArray
 
 SMALL = 40
@@ -61,9 +61,10 @@ def first_model(
     if not rest.contact.n:
         return model
     shapes, imposed = [], imposed_motions(rest.contact)
-    for q, frequency in zip(imposed.coefficients, imposed.frequencies, strict=True):
+    found = corrections(rest, imposed.coefficients, imposed.frequencies, tolerance=0.1 * IMPOSED)
+    for q, one in zip(imposed.coefficients, found, strict=True):
         scale = float(np.linalg.norm(np.sqrt(np.maximum(model.eigenvalues, 0.0)) * q[1]))
-        shapes.append(correction(rest, q, float(frequency), tolerance=0.1 * IMPOSED).modal / scale)
+        shapes.append(one.modal / scale)
     return with_shapes(model, np.column_stack(shapes), IMPOSED, symmetry)
 
 

@@ -12,20 +12,22 @@ in the span of its path, the equations of all modes are solved directly, :math:`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
 
+from wroll_fem.dynamics.aft.every_mode import EveryMode
 from wroll_fem.dynamics.aft.matrix import apply_blocks, single_precision
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
-from wroll_fem.numerics.krylov import gmres
+from wroll_fem.numerics.krylov import gmres_together
 from wroll_fem.typing import FloatArray
 
 DIRECT = 2000
 """Largest number of unknowns (modes times Fourier coefficients) of a direct solution."""
 
-NEAR_RESONANCE = 0.02
+NEAR_RESONANCE = 1e-3
 """Smallest magnitude of the dynamic stiffness of a mode, relative to the larger of its eigenvalue and the squared
 frequency of the harmonic. Smaller magnitudes are raised to this limit."""
 
@@ -33,6 +35,10 @@ KRYLOV, KRYLOV_TOLERANCE, ROUGH_TOLERANCE = 150, 1e-5, 1e-4
 """Limits of GMRES: largest number of iterations, relative residual for an error estimate, and relative residual for
 shapes that only enrich a basis. Near a resonance the solution is less accurate: with a relative residual of 1e-3, an
 error estimate could not fall below 1e-3 there."""
+
+TOGETHER, BYTES = 8, 1.5e8
+"""Largest number of motions that are corrected at once, and largest memory of the derivatives of their tractions. The
+maps of all modes, which take longer to read than to multiply, are then read once for all of these motions."""
 
 
 @dataclass(frozen=True)
@@ -62,51 +68,90 @@ def correction(
     *,
     tolerance: float = KRYLOV_TOLERANCE,
 ) -> Correction:
-    """First-order correction of a motion (R, m) at ``frequency`` (rad/s) from the residual of the full model.
+    """First-order correction of one motion; for the arguments see `corrections`."""
+    directions = None if along is None else [along]
+    return corrections(
+        balance, coefficients[None], np.array([frequency]), directions, np.array([damping]), tolerance=tolerance
+    )[0]
 
-    ``along`` (k, R, m) are directions whose components are removed from the correction. One is the direction of the
-    curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear mode, the
-    directions of amplitude and phase are added, as both are free. ``damping`` is the modal damping ratio of a nonlinear
-    mode, which its negative damping compensates. ``tolerance`` is the relative residual of GMRES. A correction that is
-    not finite counts as infinitely large and has no shapes.
+
+def corrections(
+    balance: HarmonicBalance,
+    coefficients: FloatArray,
+    frequencies: FloatArray,
+    along: Sequence[FloatArray] | None = None,
+    damping: FloatArray | None = None,
+    *,
+    tolerance: float = KRYLOV_TOLERANCE,
+) -> list[Correction]:
+    """First-order corrections of motions (p, R, m) at ``frequencies`` (p,), rad/s, from the residual of the full model.
+
+    ``along`` (k, R, m) are directions, for each motion, whose components are removed from its correction. One is the
+    direction of the curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear
+    mode, the directions of amplitude and phase are added, as both are free. ``damping`` are the modal damping ratios of
+    nonlinear modes, which their negative damping compensates. ``tolerance`` is the relative residual of GMRES. A
+    correction that is not finite counts as infinitely large and has no shapes.
     """
-    model, every = balance.model, balance.contact.every_mode
-    at = _Motion(balance, coefficients, frequency)
-    residual = at.residual(damping)
-    delta = _direct(at, residual) if _has_few_modes(balance) else _by_jumps(at, residual, tolerance)
-    scaled = at.energetic(delta)
+    found = []
+    count = _number_together(balance)
+    for first in range(0, len(coefficients), count):
+        part = slice(first, first + count)
+        at = _Motions(balance, coefficients[part], frequencies[part])
+        residual = at.residual(None if damping is None else damping[part])
+        deltas = _direct(at, residual) if _has_few_modes(balance) else _by_jumps(at, residual, tolerance)
+        for k in range(len(at)):
+            found.append(_corrected(at, k, at.of(deltas, k), None if along is None else along[first + k]))
+    return found
+
+
+def _corrected(at: _Motions, number: int, delta: list[FloatArray], along: FloatArray | None) -> Correction:
+    """Correction from the change ``delta`` of the modes, without its components ``along`` given directions."""
+    model, every = at.balance.model, at.every
+    scaled = at.energetic(delta, number)
     if along is not None:
-        directions = np.column_stack([at.energetic(every.split(model.vectors @ one.T)) for one in along])
+        directions = np.column_stack([at.energetic(every.split(model.vectors @ one.T), number) for one in along])
         directions = la.qr(directions, mode="economic", check_finite=False)[0]
         scaled -= directions @ (directions.T @ scaled)
     ends = np.cumsum([0, *(part.size for part in delta)])
     delta = [
         scaled[first:last].reshape(part.shape) / r
-        for first, last, part, r in zip(ends[:-1], ends[1:], delta, at.root, strict=True)
+        for first, last, part, r in zip(ends[:-1], ends[1:], delta, at.root(number), strict=True)
     ]
     found = every.joined(delta)
     if not np.isfinite(found).all():
         nothing = np.zeros_like(found)
         return Correction(nothing, nothing, np.inf, np.inf)
-    norm = float(np.linalg.norm(at.energetic(at.modal)))
+    norm = float(np.linalg.norm(at.energetic(at.of(at.modal, number), number)))
+    fundamental = at.coefficients[number][1:3] @ model.tip
     return Correction(
         found,
         found / norm,
         float(np.linalg.norm(scaled)) / norm,
-        float(np.linalg.norm(model.condensation.tip @ found[:, 1:3]) / np.linalg.norm(coefficients[1:3] @ model.tip)),
+        float(np.linalg.norm(model.condensation.tip @ found[:, 1:3]) / np.linalg.norm(fundamental)),
     )
 
 
-def _by_jumps(at: _Motion, residual: list[FloatArray], tolerance: float) -> list[FloatArray]:
-    """Solution of the linearised equations for the jump, by GMRES, then for the modes."""
+def _by_jumps(at: _Motions, residual: list[FloatArray], tolerance: float) -> list[FloatArray]:
+    """Solution of the linearised equations for the jumps, by GMRES, then for the modes."""
     direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
-    tangent = _Tangent(at)
-    jump = at.every.motion(direct)
-    size = float(np.abs(jump).max(initial=0.0)) or 1.0  # m; squares of smaller numbers vanish in single precision
-    start = (jump / size).astype(np.float32)
-    z = gmres(tangent.product, start, tolerance=tolerance, iterations=KRYLOV, plus_identity=True).solution
-    after = tangent.forces(size * z.astype(float))
+    tangent = _Tangents(at)
+    jump = at.repeated.motion(direct)
+    count = len(at)
+    jumps = [np.ascontiguousarray(part) for part in np.split(jump, count, axis=2)]
+    sizes = [float(np.abs(part).max(initial=0.0)) or 1.0 for part in jumps]
+    # m; squares of smaller numbers vanish in single precision
+    starts = [(part / size).astype(np.float32) for part, size in zip(jumps, sizes, strict=True)]
+    solved = gmres_together(tangent.product, starts, tolerance=tolerance, iterations=KRYLOV, plus_identity=True)
+    after = tangent.forces([size * one.solution.astype(float) for size, one in zip(sizes, solved, strict=True)])
     return [part - share * force for part, share, force in zip(direct, at.inverse, after, strict=True)]
+
+
+def _number_together(balance: HarmonicBalance) -> int:
+    """Largest number of motions that are corrected at once."""
+    if _has_few_modes(balance):
+        return 1
+    of_one = 4 * balance.contact.n * (3 * len(balance.orders)) ** 2
+    return max(1, min(TOGETHER, int(BYTES / max(of_one, 1))))
 
 
 def _has_few_modes(balance: HarmonicBalance) -> bool:
@@ -115,10 +160,10 @@ def _has_few_modes(balance: HarmonicBalance) -> bool:
     return contact.symmetry is None and modes < contact.n and modes * len(balance.orders) <= DIRECT
 
 
-def _direct(at: _Motion, residual: list[FloatArray]) -> list[FloatArray]:
-    """Solution of the linearised equations of all modes by their factors."""
+def _direct(at: _Motions, residual: list[FloatArray]) -> list[FloatArray]:
+    """Solution of the linearised equations of all modes of one motion by their factors."""
     ((_, r, count),) = (part.shape for part in residual)
-    matrix = at.balance.contact.with_all_modes.jacobian(at.state, threshold=0.0)[0].astype(float)
+    matrix = at.balance.contact.with_all_modes.jacobian(at.states[0], threshold=0.0)[0].astype(float)
     matrix += np.diag((1.0 / at.inverse[0])[0].T.ravel())  # unknowns: harmonic by harmonic
     found = la.solve(matrix, -residual[0][0].T.ravel(), check_finite=False)
     return [found.reshape(count, r).T[None]]
@@ -137,86 +182,117 @@ def _inverse_stiffness(values: FloatArray, squares: FloatArray) -> FloatArray:
     return np.asarray(1.0 / stiffness)
 
 
-class _Motion:
-    """Motion of a reduced model in all modes, by groups of `EveryMode`.
+class _Motions:
+    """Motions of a reduced model in all modes, by groups of `EveryMode`: in each array one motion after the other.
 
     Attributes
     ----------
-    state : contact during a period
-    modal : modal coordinates of the motion, one array per group
+    every, repeated : maps of one motion and of all of them
+    states : contacts during a period
+    modal : modal coordinates of the motions, one array per group
     stiffness, inverse : dynamic stiffness L, and its inverse with L kept away from 0 (`NEAR_RESONANCE`)
-    root : square roots of the energy of unit coordinates
     """
 
-    def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequency: float):
+    def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequencies: FloatArray):
         contact, every = balance.contact, balance.contact.every_mode
-        self.balance, self.coefficients, self.frequency, self.every = balance, coefficients, frequency, every
-        self.state = contact.evaluate(contact.motion(coefficients), frequency)
-        self.modal = every.split(balance.model.vectors @ coefficients.T)
+        self.balance, self.coefficients, self.frequencies, self.every = balance, coefficients, frequencies, every
+        self.repeated = every.repeated(len(coefficients))
+        self.states = [
+            contact.evaluate(contact.motion(q), float(w)) for q, w in zip(coefficients, self.frequencies, strict=True)
+        ]
+        self.modal = self.repeated.split(balance.model.vectors @ np.concatenate(coefficients).T)
         self.stiffness: list[FloatArray] = []
         self.inverse: list[FloatArray] = []
-        self.root: list[FloatArray] = []
-        for group, values in zip(every.groups, every.eigenvalues, strict=True):
-            squares = (balance.orders[group.columns] * frequency) ** 2
+        for squares, values in zip(self.squares(every), every.eigenvalues, strict=True):
             self.stiffness.append(values[:, :, None] - squares)
             self.inverse.append(_inverse_stiffness(values, squares))
-            self.root.append(np.sqrt(np.maximum(values, 0.0) + frequency**2)[:, :, None])
 
-    def residual(self, damping: float) -> list[FloatArray]:
-        """Residual of the harmonic balance in all modes; for ``damping`` see `correction`."""
-        balance, every, c = self.balance, self.every, self.balance.model.condensation
+    def __len__(self) -> int:
+        return len(self.coefficients)
+
+    def squares(self, maps: EveryMode) -> list[FloatArray]:
+        """Squared frequencies of the coefficients of each group of ``maps``, which are those of one motion."""
+        orders = self.balance.orders
+        return [np.square(np.outer(self.frequencies, orders[group.columns]).ravel()) for group in maps.groups]
+
+    def of(self, parts: Sequence[np.ndarray], number: int) -> list[np.ndarray]:
+        """Part of the arrays ``parts`` that belongs to one motion."""
+        return [part.reshape(*part.shape[:2], len(self), -1)[:, :, number] for part in parts]
+
+    def root(self, number: int) -> list[FloatArray]:
+        """Square roots of the energy of unit coordinates in one motion, one array (b, d, 1) per group."""
+        square = self.frequencies[number] ** 2
+        return [np.sqrt(np.maximum(values, 0.0) + square)[:, :, None] for values in self.every.eigenvalues]
+
+    def residual(self, damping: FloatArray | None) -> list[FloatArray]:
+        """Residual of the harmonic balance in all modes; for ``damping`` see `corrections`."""
+        balance, every, c = self.balance, self.repeated, self.balance.model.condensation
         weights = balance.contact.laws.area[every.points][:, None, None]
-        residual = every.force(weights * self.state.coefficients[every.dofs])
+        tractions = np.concatenate([state.coefficients[every.dofs] for state in self.states], axis=2)
+        residual = every.force(weights * tractions)
+        cosines = np.tile(np.arange(len(balance.orders)) == 1, len(self))
         for group, stiffness, motion, force in zip(every.groups, self.stiffness, self.modal, residual, strict=True):
             force += stiffness * motion
-            force[:, :, group.columns == 1] += balance.acceleration * group.of_modes(c.base)[:, :, None]
+            force[:, :, cosines[group.columns]] += balance.acceleration * group.of_modes(c.base)[:, :, None]
         if c.forces:
-            for force, part in zip(residual, every.split(balance.further_load().T), strict=True):
+            further = np.tile(balance.further_load().T, len(self))
+            for force, part in zip(residual, every.split(further), strict=True):
                 force -= part
-        if c.damping or damping:
-            speed = balance.velocity(self.coefficients, self.frequency) @ balance.model.vectors.T  # (R, r)
-            viscous = -2.0 * damping * self.frequency * speed
-            if c.damping:
-                viscous += c.viscous_force(speed.T).T
-            for force, part in zip(residual, every.split(viscous.T), strict=True):
+        if c.damping or (damping is not None and damping.any()):
+            ratios = np.zeros(len(self)) if damping is None else damping
+            parts = []
+            for q, w, ratio in zip(self.coefficients, self.frequencies, ratios, strict=True):
+                speed = balance.model.vectors @ balance.velocity(q, w).T  # (r, R)
+                parts.append(-2.0 * ratio * w * speed + (c.viscous_force(speed) if c.damping else 0.0))
+            for force, part in zip(residual, every.split(np.column_stack(parts)), strict=True):
                 force += part
         return residual
 
-    def energetic(self, parts: list[FloatArray]) -> FloatArray:
-        """Modal coordinates in one vector whose norm is the square root of their energy."""
-        return np.concatenate([(root * part).ravel() for root, part in zip(self.root, parts, strict=True)])
+    def energetic(self, parts: Sequence[FloatArray], number: int) -> FloatArray:
+        """Modal coordinates of one motion in one vector whose norm is the square root of their energy."""
+        return np.concatenate([(root * part).ravel() for root, part in zip(self.root(number), parts, strict=True)])
 
 
-class _Tangent:
-    """Maps F D and D of the jump equation at a motion; see the module for the symbols."""
+class _Tangents:
+    """Maps F D and D of the jump equation at several motions; see the module for the symbols."""
 
-    def __init__(self, at: _Motion):
+    def __init__(self, at: _Motions):
         contact, every = at.balance.contact, at.every
-        points, blocks, _ = contact.point_blocks(at.state, threshold=0.0)
         place = np.zeros(contact.n, np.int64)
         place[every.points] = np.arange(contact.n)
-        size = 3 * len(at.balance.orders)
-        self.every, self.own, self.area = every, place[points], contact.laws.area[points][:, None, None]
-        self.square = blocks.reshape(len(points), size, size)
-        self.short_square = single_precision(blocks, contact.laws.area[points])
-        squares = (at.balance.orders * at.frequency) ** 2
-        self.residual_maps, values = every.with_residual_modes(float(squares.max()))
-        self.short_inverse = [
-            _inverse_stiffness(part, squares[group.columns]).astype(np.float32)
-            for part, group in zip(values, self.residual_maps.groups, strict=True)
+        self.at, self.own, self.blocks = at, list[np.ndarray](), list[np.ndarray]()
+        for state in at.states:
+            points, blocks, _ = contact.point_blocks(state, threshold=0.0)
+            self.own.append(place[points])
+            self.blocks.append(single_precision(blocks, contact.laws.area[points]))
+        largest = float((at.balance.orders.max() * at.frequencies.max()) ** 2)
+        self.residual_maps, values = every.with_residual_modes(largest)
+        self._inverse = [
+            _inverse_stiffness(part, squares).astype(np.float32)
+            for part, squares in zip(values, at.squares(self.residual_maps), strict=True)
         ]
+        self._last: tuple[list[int], list[FloatArray]] = ([], [])
 
-    def forces(self, z: FloatArray) -> list[FloatArray]:
-        """Modal forces G^T W D z due to the tractions that a jump z (n, 3, R) causes."""
-        forces, (count, size, _) = np.zeros_like(z), self.square.shape
-        moved = self.square @ z[self.own].reshape(count, size, 1)
-        forces[self.own] = (self.area * moved).reshape(count, 3, size // 3)
-        return self.every.force(forces)
+    def _tractions(self, numbers: Sequence[int], jumps: Sequence[np.ndarray]) -> np.ndarray:
+        """(n, 3, R ...) forces W D z of the motions of the given numbers, in single precision."""
+        forces = np.empty((len(numbers), len(jumps[0]), jumps[0][0].size), np.float32)
+        for force, number, z in zip(forces, numbers, jumps, strict=True):
+            apply_blocks(self.blocks[number], self.own[number], z.reshape(len(z), -1), force)
+        return np.concatenate([force.reshape(jumps[0].shape) for force in forces], axis=2)
 
-    def product(self, z: FloatArray) -> FloatArray:
-        """F D z for z (n, 3, R) in single precision, with residual modes."""
-        forces = np.empty_like(z)
-        apply_blocks(self.short_square, self.own, z.reshape(len(z), -1), forces.reshape(len(z), -1))
-        acting = self.residual_maps.force(forces)
-        answer = [part * force for part, force in zip(self.short_inverse, acting, strict=True)]
-        return self.residual_maps.motion(answer)
+    def forces(self, jumps: Sequence[FloatArray]) -> list[FloatArray]:
+        """Modal forces G^T W D z due to the tractions that the jumps z (n, 3, R) of all motions cause."""
+        tractions = self._tractions(range(len(jumps)), [z.astype(np.float32) for z in jumps])
+        return self.at.repeated.force(tractions.astype(float))
+
+    def product(self, numbers: Sequence[int], jumps: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """F D z for z (n, 3, R), in single precision, of the motions of the given numbers, with residual modes."""
+        maps = self.residual_maps.repeated(len(numbers))
+        if self._last[0] != numbers:
+            split = [self.at.of(self._inverse, number) for number in numbers]
+            chosen = [np.concatenate(parts, axis=2) for parts in zip(*split, strict=True)]
+            self._last = list(numbers), chosen
+        answer = [
+            part * force for part, force in zip(self._last[1], maps.force(self._tractions(numbers, jumps)), strict=True)
+        ]
+        return np.split(maps.motion(answer), len(numbers), axis=2)

@@ -11,7 +11,8 @@ from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_ba
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import SMALL
 from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction
-from wroll_fem.dynamics.training.growth import LINEAR, enriched, joined, loosened, watched
+from wroll_fem.dynamics.training.full_motions import LINEAR
+from wroll_fem.dynamics.training.growth import enriched, joined, loosened, watched
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import COARSE, TRAINING_HARMONICS, Curve, Task, Trained, Training
 from wroll_fem.dynamics.training.training_state import TrainingState, arrays_of

@@ -18,8 +18,9 @@ from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, correction
+from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction, corrections
 from wroll_fem.dynamics.training.course import trained
+from wroll_fem.dynamics.training.full_motions import full_motions
 from wroll_fem.dynamics.training.point_sampling import PointSampling
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import FIRST_HARMONICS, Curve, Trained, Training
@@ -100,10 +101,14 @@ class _ResponseTask(_CurveTask):
     def check(self, points: HarmonicCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
         """Corrections of the motions at points of a curve."""
         self.subsets.seen(points)
-        return [
-            correction(points.balance, q, w, points.direction(k)[None], tolerance=residual)
-            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
-        ]
+        along = [points.direction(k)[None] for k in range(len(points.frequencies))]
+        return corrections(points.balance, points.coefficients, points.frequencies, along, tolerance=residual)
+
+    def full_motions(self, points: HarmonicCurve, found: list[Correction], training: Training) -> FloatArray | None:
+        """Motions of the full model near the points of a curve; see `Task`."""
+        return full_motions(
+            self.structure, points, found, lambda part: self.check(part, training.rough), training.tolerance
+        )
 
     def shortened(self, curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
         """Curve with a wider gap, if all its inaccurate points lie around the gap."""
@@ -153,10 +158,14 @@ class _BackboneTask(_CurveTask):
     def check(self, points: BackboneCurve, residual: float = KRYLOV_TOLERANCE) -> list[Correction]:
         """Corrections of the motions at points of a backbone."""
         self.subsets.seen(points)
-        return [
-            correction(points.balance, q, w, _free_of(points, k), points.damping[k], tolerance=residual)
-            for k, (q, w) in enumerate(zip(points.coefficients, points.frequencies, strict=True))
-        ]
+        along = [_free_of(points, k) for k in range(len(points.frequencies))]
+        return corrections(
+            points.balance, points.coefficients, points.frequencies, along, points.damping, tolerance=residual
+        )
+
+    def full_motions(self, points: BackboneCurve, found: list[Correction], training: Training) -> None:
+        """None: not the frequency alone, but the damping of a nonlinear mode too changes with its shape."""
+        return
 
     def shortened(self, curve: BackboneCurve, points: BackboneCurve, good: list[bool]) -> BackboneCurve | None:
         """Backbone up to the first inaccurate motion, if all later ones are inaccurate."""

@@ -9,16 +9,13 @@ import numpy as np
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import COMPRESSION, principal_span, with_shapes, with_snapshots
 from wroll_fem.dynamics.training.correction import Correction
+from wroll_fem.dynamics.training.full_motions import LINEAR, POINT_ROUNDS, modal
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import TRAINING_HARMONICS, Curve, Task, Training
 from wroll_fem.typing import FloatArray
 
-POINT_ROUNDS, POINT_SHARE = 4, 0.5
-"""Largest number of times that the motion at a point of a curve is corrected and the basis enriched. A point is left
-earlier once its correction is at most `POINT_SHARE` times the tolerance."""
-
-LINEAR = 0.5
-"""Largest relative correction at which the corrected motion is more accurate than the uncorrected motion."""
+POINT_SHARE = 0.5
+"""Correction of a motion, relative to the tolerance, from which on the motion is corrected and the basis enriched."""
 
 OPEN_TOLERANCE, SNAPSHOT_SHARE = 5e-3, 2.0
 """Smallest tolerance where interfaces open widely: a smaller one asks for hundreds of basis vectors, and neglected
@@ -37,15 +34,18 @@ def enriched(
     """Reduced model with a basis enriched until the motions at ``points`` need only small corrections.
 
     ``found`` are the corrections of these motions in the present basis. The shapes of large corrections are added to
-    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. With ``anew``, a basis of the corrected
-    motions first replaces the given one, and finally a basis of the recomputed motions replaces the enriched one.
-    Neither replacement is made if a point does not converge.
+    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. With ``anew``, a basis of the motions of the
+    full model (`Task.full_motions`) replaces the given one. Where there are none, a basis of the corrected motions
+    first replaces the given one, and finally a basis of the recomputed motions replaces the enriched one; neither
+    replacement is made if a point does not converge.
     """
     model, condensation, symmetry = points.balance.model, structure.condensation, structure.symmetry
     wanted, settled = len(points.frequencies), []
     negligible = COMPRESSION * training.tolerance
+    if anew and (motions := task.full_motions(points, found, training)) is not None:
+        return principal_span(condensation, motions, negligible, symmetry)
     if anew and max(f.energy for f in found) < LINEAR:
-        motions = _modal(points) + np.array([f.modal.T for f in found])
+        motions = modal(points) + np.array([f.modal.T for f in found])
         corrected = principal_span(condensation, motions, POINT_SHARE * training.tolerance, symmetry)
         moved = task.again(points, corrected, motions @ corrected.vectors)
         if len(moved.frequencies) == wanted:
@@ -70,7 +70,7 @@ def enriched(
         found = task.check(points, training.rough)
     if not anew or sum(len(part.frequencies) for part in settled) < wanted:
         return model
-    motions = np.concatenate([_modal(part) for part in settled if len(part.frequencies)])
+    motions = np.concatenate([modal(part) for part in settled if len(part.frequencies)])
     return principal_span(condensation, motions, negligible, symmetry)
 
 
@@ -93,8 +93,3 @@ def watched(structure: Structure, training: Training, snapshots: FloatArray) -> 
     """First model with the shapes of motions in time."""
     first = structure.with_harmonics(TRAINING_HARMONICS).first_model()
     return with_snapshots(first, snapshots, SNAPSHOT_SHARE * training.tolerance, structure.symmetry)
-
-
-def _modal(points: Curve) -> FloatArray:
-    """(p, R, r) Fourier coefficients of the motions at p ``points``, in modal coordinates of the condensation."""
-    return np.asarray(points.coefficients @ points.balance.model.vectors.T)

@@ -39,7 +39,7 @@ is that of Newton's matrix, some tenths. The work of a cycle is then balanced to
 PATIENCE = 3
 """Factor on the largest number of iterations of such a correction, as Newton's matrix is approximate."""
 
-SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 16
+SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 10
 """Relative residual of the corrections that enrich the basis, and number of points whose corrections do so, together
 with subsets: half the time of corrections. The remaining corrections are those of `training`."""
 

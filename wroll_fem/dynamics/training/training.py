@@ -2,8 +2,9 @@ r"""Training of a basis for periodic motions: it is enriched by corrections of t
 
 A first curve is computed in a small basis with large steps and few harmonics. At some of its points the harmonic
 balance of the full model, with all modes, is evaluated (`correction`). The principal shapes of the corrected
-motions form the next basis (`basis`). The motions are then recomputed and shapes are added until the corrections at
-these points are small. The curve is computed in this basis and checked at other points; the remaining corrections are
+motions form the next basis (`basis`); motions of a response curve are corrected until they are those of the full model
+(`full_motions`). Where they do not converge, they are recomputed and shapes are added until the corrections at these
+points are small. The curve is computed in this basis and checked at other points; the remaining corrections are
 the error estimate. While it is too large, the shapes of these corrections are added, and the points of the curve are
 recomputed in the larger basis.
 """
@@ -70,6 +71,14 @@ class Task(Protocol[Curve]):
         ``starts`` (p, R, m) are first guesses in the other model; by default they are the motions of the points. With
         given ones the motions only serve the basis, and are less accurate. With ``only``, the other points follow
         without being solutions.
+        """
+        ...
+
+    def full_motions(self, points: Curve, found: list[Correction], training: Training) -> FloatArray | None:
+        """(k, R, r) motions of the full model near the points of a curve, whose corrections are ``found``.
+
+        They are in modal coordinates of the condensation. None if most of them, or those of such a curve, are not
+        found.
         """
         ...
 
