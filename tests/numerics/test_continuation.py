@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from wroll_fem.dynamics.periodic.harmonic_balance import BAND_SCALE
+from wroll_fem.numerics import continuation
 from wroll_fem.numerics.continuation import LARGE, StepControl, correct, follow
 from wroll_fem.typing import FloatArray
 
@@ -89,6 +91,20 @@ def test_the_curve_passes_the_fold_of_a_circle() -> None:
     assert found[-1, 2] == pytest.approx(0.8, abs=1e-9)
     # one factorisation per point for its tangent, and hardly any for the corrector
     assert problem.jacobians <= 1.4 * len(points)
+
+
+def test_points_keep_their_factors_up_to_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    start, control = np.array([0.2, 0.6, -0.8]), StepControl(largest=0.2, chord=0.02, keeps=True)
+    points = follow(Circle(), start, 0.8, control)
+    assert points[0].factors is None
+    assert all(p.factors is not None for p in points[1:])
+    for p in points[1:]:  # the tangent is that of the factors
+        tangent = p.factors.solve(ROW)
+        np.testing.assert_allclose(tangent / np.linalg.norm(tangent), p.tangent, atol=1e-12)
+    monkeypatch.setattr(continuation, "KEPT_BYTES", 3.5 * points[1].factors.bytes)
+    few = follow(Circle(), start, 0.8, control)
+    assert [p.factors is not None for p in few] == [1 <= k <= 3 for k in range(len(few))]
+    assert not any(p.factors for p in follow(Circle(), start, 0.8, replace(control, keeps=False)))
 
 
 def test_large_problems_get_more_iterations() -> None:

@@ -75,6 +75,11 @@ class Bordered:
         return np.asarray(self._getrs(*self.factor, rhs, trans=1)[0])
 
     @property
+    def bytes(self) -> int:
+        """Memory of the factors."""
+        return int(self.factor[0].nbytes)
+
+    @property
     def sign(self) -> float:
         """Sign of the determinant."""
         lu, pivots = self.factor

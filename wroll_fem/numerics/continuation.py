@@ -43,6 +43,8 @@ class StepControl:
     max_points : largest number of points on a curve; beyond it the continuation stops with an error
     chord : target distance between the end of a step and the tangent, relative to the norm of y; near or below it a
         step is accepted at any rotation
+    renewal : ratio of successive residuals above which the corrector factorises a new Jacobian
+    keeps : whether the points of a curve keep their LU factors, up to `KEPT_BYTES`
     """
 
     first: float = 0.05
@@ -56,6 +58,8 @@ class StepControl:
     max_iterations: int = 12
     max_points: int = 1000
     chord: float = 0.01
+    renewal: float = CHORD_RENEWAL
+    keeps: bool = False
 
     def longer(self, factor: float) -> StepControl:
         """Control with ``factor`` times longer steps and a looser tolerance, for approximate curves (1: no change).
@@ -84,13 +88,15 @@ class CurvePoint:
     """Point of a curve: solution z (n + 1,), unit tangent (n + 1,), number of Newton iterations, bifurcation flag.
 
     ``regular`` is False beyond a bifurcation that the curve has crossed (the determinant of the bordered Jacobian has
-    changed its sign). The last entry of the tangent changes its sign at each fold.
+    changed its sign). The last entry of the tangent changes its sign at each fold. ``factors`` are the LU factors with
+    which the tangent was solved, if they are kept (`StepControl`).
     """
 
     z: FloatArray
     tangent: FloatArray
     iterations: int
     regular: bool
+    factors: Bordered | None = None
 
 
 ROUGH = 100.0
@@ -99,6 +105,8 @@ LARGE, MORE = 800, 2
 """Number of unknowns of a large problem, and the factor by which it multiplies the numbers of iterations."""
 LEAPS = (0.5, 1.0, 2.0, 4.0)
 """Step lengths, relative to `StepControl.first`, that are tried in turn after the smallest step has failed."""
+KEPT_BYTES = 1e8
+"""Largest memory of the LU factors that the points of a curve keep."""
 CREEPING = 150, 0.1
 """Number of points over which a curve must advance by the given distance, relative to the norm of y if this is above 1.
 Otherwise it runs along kinks in the smallest steps, and ends."""
@@ -186,7 +194,7 @@ def correct(
             new = float(np.linalg.norm(trial))
         z, residual = z + stretch * step, trial
         steps.append(step)
-        chord = chord and new <= CHORD_RENEWAL * norm and stretch == 1.0
+        chord = chord and new <= control.renewal * norm and stretch == 1.0
         norm, fresh = new, False
     return Corrected(None, history, z, None)
 
@@ -290,7 +298,8 @@ def follow(
             turn = _turn(last, found.z, tangent)
             strays = 0.5 * turn * step / (control.chord * size) if size > 0.0 else np.inf
             if turn <= 1.6 * control.angle or strays <= 1.6 or step <= control.blunt * long or len(leaps) < len(LEAPS):
-                points.append(CurvePoint(found.z, tangent, len(history), new_sign == sign))
+                kept = factor if control.keeps and len(points) * factor.bytes < KEPT_BYTES else None
+                points.append(CurvePoint(found.z, tangent, len(history), new_sign == sign, kept))
                 bend = max(control.angle / max(turn, 1e-6), np.sqrt(1.0 / max(strays, 1e-6)))
                 growth = min(bend, np.sqrt(control.usual / len(history)))
                 step, leaps = step * float(np.clip(growth, 0.4, 1.7)), list(LEAPS)

@@ -21,7 +21,8 @@ from wroll_fem.contact.interface import Interface, NormalPenalty
 from wroll_fem.contact.kernels import regularised_signs
 from wroll_fem.contact.point import NORMAL
 from wroll_fem.contact.smoothed_coulomb import REFERENCE_SPEED, SmoothedCoulomb, regularised_sign_slope
-from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.reduction.condensation import condense

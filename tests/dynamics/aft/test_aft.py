@@ -53,6 +53,11 @@ def test_jacobian_is_that_of_central_differences(law: str, normal: float) -> Non
         ends = [contact.evaluate(a + sign * step, frequency).coefficients for sign in (1, -1)]
         difference = (ends[0] - ends[1]) / (2 * step[index])
         np.testing.assert_allclose(blocks[0][:, :, index[0], index[1]], difference, atol=1e-7 * np.abs(blocks).max())
+    _, of_mean, _ = contact.point_blocks(found, threshold=0.0, mean=True)
+    np.testing.assert_allclose(of_mean[..., 0], blocks[:, :, :1, :, 0], atol=1e-12 * np.abs(blocks).max())
+    _, single, _ = contact.point_blocks(found, threshold=0.0, precision=np.float32)
+    assert single.dtype == np.float32
+    np.testing.assert_allclose(single, blocks, atol=1e-6 * np.abs(blocks).max())
     ends = [contact.evaluate(a, frequency * (1 + h)).coefficients[:2] for h in (1e-6, -1e-6)]
     scale = np.abs(found.coefficients).max()
     np.testing.assert_allclose(by_frequency[0], (ends[0] - ends[1]) / 2e-6, atol=1e-8 * scale)

@@ -98,3 +98,27 @@ def test_a_structure_of_few_modes_keeps_them_all() -> None:
     quick, values = every.with_residual_modes(condensation.eigenvalues.max())
     assert [group.jump.shape for group in quick.groups] == [group.jump.shape for group in every.groups]
     np.testing.assert_array_equal(values[0], every.groups[0].of_modes(condensation.eigenvalues, fill=1.0))
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_maps_of_the_mean_and_of_single_precision_are_those_of_all_coefficients(symmetric: bool) -> None:
+    system, preload, condensation = small_roll(12, 4)
+    symmetry = HalfPeriod.of(condensation, preload, system.laws) if symmetric else None
+    every = EveryMode(condensation, symmetry, Sampling(2, 32).orders)
+    rng, count, size = np.random.default_rng(8), 3, every.coefficients
+    motion = rng.standard_normal((len(condensation.eigenvalues), count * size))
+    traction = rng.standard_normal((len(every.points), 3, count * size))
+    means = np.arange(0, count * size, size)
+    whole, mean = every.repeated(count), every.of_mean().repeated(count)
+    moved, forces = whole.motion(whole.split(motion)), whole.joined(whole.force(traction))
+    np.testing.assert_allclose(
+        mean.motion(mean.split(motion[:, means])), moved[:, :, means], atol=1e-14 * np.abs(moved).max()
+    )
+    found = mean.joined(mean.force(np.ascontiguousarray(traction[:, :, means])))
+    np.testing.assert_allclose(found, forces[:, means], atol=1e-14 * np.abs(forces).max())
+    single = every.single.repeated(count)
+    quick, pushed = single.motion(whole.split(motion)), single.force(traction)
+    assert quick.dtype == np.float32
+    assert all(part.dtype == np.float32 for part in pushed)
+    np.testing.assert_allclose(quick, moved, atol=2e-6 * np.abs(moved).max())
+    np.testing.assert_allclose(single.joined(pushed), forces, atol=2e-6 * np.abs(forces).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wroll_fem.contact.point import contact_dofs
-from wroll_fem.dynamics.aft.matrix import Unknowns, apply_blocks, fill_matrix, single_precision
+from wroll_fem.dynamics.aft.matrix import Unknowns, apply_blocks, fill_matrix
 
 N, M, R = 9, 12, 7
 ODD, EVEN = np.array([1, 2, 5, 6]), np.array([0, 3, 4])
@@ -35,10 +35,10 @@ def test_the_matrix_is_the_sum_over_the_points(groups: str, precision: type) -> 
 
 def test_products_with_the_derivatives_are_those_of_the_points() -> None:
     rng = np.random.default_rng(2)
-    places, areas = np.array([4, 0, 7]), rng.uniform(1.0, 2.0, 3)
-    blocks, motion = rng.standard_normal((3, 3, R, 3, R)), rng.standard_normal((N, 3, R)).astype(np.float32)
+    places, areas = np.array([4, 0, 7]), rng.uniform(1.0, 2.0, 3).astype(np.float32)
+    blocks, motion = (rng.standard_normal(shape).astype(np.float32) for shape in ((3, 3, R, 3, R), (N, 3, R)))
     found = np.full((N, 3 * R), np.nan, np.float32)
-    apply_blocks(single_precision(blocks, areas), places, motion.reshape(N, -1), found)
+    apply_blocks(blocks.reshape(3, 3 * R, 3 * R), areas, places, motion.reshape(N, -1), found)
     expected = np.zeros((N, 3, R))
     expected[places] = areas[:, None, None] * np.einsum("pcrdq,pdq->pcr", blocks, motion[places])
     np.testing.assert_allclose(found.reshape(N, 3, R), expected, atol=1e-4)

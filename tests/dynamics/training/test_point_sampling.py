@@ -12,7 +12,7 @@ from support.periodic import small_roll
 
 from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.aft.sampling import Sampling
-from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.harmonic_balance import FrequencyCurve, HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions, sample_error, sampled
 from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
@@ -114,11 +114,39 @@ def test_points_that_fail_with_the_matrix_of_a_subset_take_that_of_all() -> None
     poor = structure.contact(whole.model, tangent=PointSample(np.arange(whole.n), np.full(whole.n, -1.0)))
     assert not len(far.moved_to(poor, StepControl()).frequencies)
     largest = []
-    for found in (far.moved_to(poor, StepControl(), exact=whole), far.moved_to(whole, StepControl())):
+    control = StepControl(tolerance=3e-8)
+    for found in (far.moved_to(poor, control, exact=whole), far.moved_to(whole, control)):
         motions = zip(found.coefficients, found.frequencies, strict=True)
         largest.append(max(float(np.linalg.norm(found.balance.residual(q, w)[0])) for q, w in motions))
         assert len(found.frequencies) == len(points.frequencies)
     assert largest[0] <= 1.01 * largest[1] < 1e-4 * np.linalg.norm(found.balance.load())
+
+
+def test_a_curve_is_completed_with_the_factors_of_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Motions as with new factors at every point; hardly any matrix is factorised."""
+    structure, _, whole, motions = roll()
+    sample = sampled(whole, motions)
+    part, tangent = structure.contact(whole.model, sample=sample), structure.contact(whole.model, tangent=sample)
+    curve = response_curve(part, **SHAKEN, control=StepControl(keeps=True))
+    count = len(curve.frequencies)
+    assert [kept is None for kept in curve.factors] == [True] + [False] * (count - 1)
+    assert curve.take([0, 1]).factors == ()
+    built = []
+    jacobian = FrequencyCurve.jacobian
+    monkeypatch.setattr(FrequencyCurve, "jacobian", lambda self, z: built.append(z) or jacobian(self, z))
+    loose = StepControl(tolerance=1e-8, max_iterations=36, renewal=0.6)
+    found, numbers = [], []
+    for one in (curve, replace(curve, factors=())):
+        found.append(one.moved_to(tangent, loose, curve.coefficients, exact=whole))
+        numbers.append(len(built) - sum(numbers))
+    assert len(found[0].frequencies) == len(found[1].frequencies) == count
+    assert numbers[0] < 0.3 * count <= count <= numbers[1]
+    scaled = found[0].problem.scaled
+    for k in range(count):
+        ends = [scaled(one.coefficients[k], one.frequencies[k]) for one in found]
+        step = ends[0] - ends[1]
+        along = found[1].tangents[k]
+        assert np.linalg.norm(step - along * (along @ step)) < 1e-5 * max(1.0, np.linalg.norm(ends[0][:-1]))
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 4))])

@@ -232,7 +232,7 @@ def test_no_point_left_in_a_larger_basis_is_no_error() -> None:
     ]
     nothing = HarmonicCurve.of_points(points.problem, [])
     nowhere = SimpleNamespace(check=lambda *_: [], again=lambda *_: nothing, full_motions=lambda *_: None)
-    larger = enriched(structure, Training(tolerance=1e-9), points, found, nowhere, anew=True)
+    larger = enriched(structure, Training(tolerance=1e-9), points, found, nowhere, around=curve)
     assert larger.size > model.size
 
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg as la
@@ -63,6 +64,10 @@ class Group:
         out = values.take(self.modes, axis=0, mode="clip")
         out[~self.filled] = fill
         return np.asarray(out)
+
+    def in_single_precision(self) -> Group:
+        """The same group with maps of single precision."""
+        return replace(self, around=self.around.astype(np.float32), jump=self.jump.astype(np.float32))
 
     def with_residual_modes(self, eigenvalues: FloatArray, limit: float) -> tuple[Group, FloatArray]:
         """Group with residual modes in place of the modes above an eigenvalue ``limit``, and its eigenvalues (b, d).
@@ -128,6 +133,7 @@ class EveryMode:
         self.dofs = contact_dofs(len(self.points))[self.points]
         self._residual: dict[float, tuple[EveryMode, list[FloatArray]]] = {}
         self._repeated: dict[int, EveryMode] = {1: self}
+        self._mean: EveryMode | None = None
         kinds = [(np.arange(len(c.jump)), np.arange(len(orders)))]
         if symmetry is not None:
             reverses = symmetry.odd[c.blocks[:-1]]
@@ -157,14 +163,19 @@ class EveryMode:
         limit = CLASSES ** float(np.ceil(np.log(FAR * square) / np.log(CLASSES)))
         if limit not in self._residual:
             out = copy(self)
-            out._repeated = {1: out}
+            out._repeated, out._mean = {1: out}, None
             found = [group.with_residual_modes(self._all, limit) for group in self.groups]
-            out.groups = [
-                replace(group, around=group.around.astype(np.float32), jump=group.jump.astype(np.float32))
-                for group, _ in found
-            ]
+            out.groups = [group.in_single_precision() for group, _ in found]
             self._residual[limit] = out, [values for _, values in found]
         return self._residual[limit]
+
+    @cached_property
+    def single(self) -> EveryMode:
+        """The same maps in single precision."""
+        out = copy(self)
+        out._repeated, out._mean = {1: out}, None
+        out.groups = [group.in_single_precision() for group in self.groups]
+        return out
 
     def repeated(self, count: int) -> EveryMode:
         """The same maps for ``count`` motions at once: R coefficients of the first one, then those of the next ones.
@@ -178,6 +189,15 @@ class EveryMode:
             out.groups = [replace(group, columns=(first + group.columns).ravel()) for group in self.groups]
             self._repeated[count] = out
         return self._repeated[count]
+
+    def of_mean(self) -> EveryMode:
+        """The same maps for the mean alone, the first of the coefficients; groups without it have no columns."""
+        if self._mean is None:
+            out = copy(self)
+            out.coefficients, out._mean, out._repeated = 1, out, {1: out}
+            out.groups = [replace(group, columns=group.columns[group.columns == 0]) for group in self.groups]
+            self._mean = out
+        return self._mean
 
     def split(self, values: FloatArray) -> list[FloatArray]:
         """Fourier coefficients of each group, one array (b, d, c) per group, from the array (r, R) of all r modes."""
@@ -194,26 +214,32 @@ class EveryMode:
         return out
 
     def force(self, traction: FloatArray) -> list[FloatArray]:
-        """Modal forces G^T f due to the forces f (n, 3, R), N, at the contact points; one array (b, d, c) per group."""
-        out = []
+        """Modal forces G^T f due to the forces f (n, 3, R), N, at the contact points; one array (b, d, c) per group.
+
+        They have the precision of the maps.
+        """
+        out, traction = [], traction.astype(self.groups[0].jump.dtype, copy=False)
         for group in self.groups:
             blocks, waves, count = len(group.modes), group.around.shape[1], len(group.columns)
             forces = traction[:, :, group.columns].reshape(self.n_theta, self.rows, 3, count).transpose(2, 0, 1, 3)
             around = group.around @ forces.reshape(3, self.n_theta, self.rows * count)
             amplitudes = around.reshape(3, waves, self.rows, count).transpose(1, 0, 2, 3)
-            out.append(group.jump @ amplitudes.reshape(blocks, -1, count))
+            out.append(group.jump @ amplitudes.reshape(blocks, group.jump.shape[2], count))
         return out
 
     def motion(self, parts: Sequence[FloatArray]) -> FloatArray:
-        """(n, 3, R) relative displacement of the contact points from modal coefficients (b, d, c) per group."""
+        """(n, 3, R) relative displacement of the contact points from modal coefficients (b, d, c) per group.
+
+        It has the precision of the maps.
+        """
         out = np.zeros((len(self.points), 3, self.coefficients), self.groups[0].jump.dtype)
         for group, part in zip(self.groups, parts, strict=True):
             waves, count = group.around.shape[1], len(group.columns)
-            amplitudes = group.jump.transpose(0, 2, 1) @ part
+            amplitudes = group.jump.transpose(0, 2, 1) @ part.astype(out.dtype, copy=False)
             around = amplitudes.reshape(waves, 3, self.rows, count).transpose(1, 0, 2, 3)
             moved = group.around.transpose(0, 2, 1) @ around.reshape(3, waves, self.rows * count)
             out[:, :, group.columns] = (
-                moved.reshape(3, self.n_theta, self.rows, count).transpose(1, 2, 0, 3).reshape(-1, 3, count)
+                moved.reshape(3, self.n_theta, self.rows, count).transpose(1, 2, 0, 3).reshape(len(out), 3, count)
             )
         return out
 

@@ -18,7 +18,6 @@ Cameron, Griffin (1989), J. Appl. Mech. 56, 149, doi:10.1115/1.3176036 (AFT).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -31,11 +30,12 @@ from wroll_fem.dynamics.aft.derivatives import derivatives
 from wroll_fem.dynamics.aft.every_mode import EveryMode, ModeMaps
 from wroll_fem.dynamics.aft.half_period import HalfPeriod
 from wroll_fem.dynamics.aft.matrix import Unknowns, fill_matrix
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.dynamics.aft.sampling import Sampling, mean_phase, phase_slope
 from wroll_fem.dynamics.reduction.evaluated_points import EvaluatedPoints, PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
-from wroll_fem.typing import BoolArray, FloatArray, IntArray
+from wroll_fem.typing import FloatArray, IntArray
 
 Places = tuple[np.ndarray, ...]
 """Index of a block of a matrix, from `numpy.ix_`."""
@@ -56,47 +56,6 @@ dynamic stiffness is small, and that of the omitted points is a large part of it
 SINGLE = 100
 """Number of unknowns from which Newton's matrix is formed and factored in single precision. The residual is always in
 double precision, so only the number of iterations could change."""
-
-
-@dataclass(frozen=True)
-class PeriodicContact:
-    """Motion, elastic slip and traction during one period, at the n contact points where the laws are evaluated.
-
-    The traction t is stored as the traction correction s: t minus the linear traction t_0 + D_0 (g - g_0). g is the
-    relative displacement, D_0 the reference contact stiffness, and the index 0 denotes the preload state.
-
-    Attributes
-    ----------
-    jump_coefficients : (3 n, R) Fourier coefficients of g - g_0, m
-    shift : shift of the samples (in samples), see `HarmonicContact.shift`
-    series : Fourier series at the samples
-    sampled : motion at the samples
-    hysteresis : elastic slip, and which points slide
-    correction : (3 n, N) s = t - t_0 - D_0 (g - g_0), Pa
-    coefficients : (3 n, R) Fourier coefficients of ``correction``, Pa
-    open : (n, N) whether the surfaces are apart
-    pressure_change : (n,) largest change of the pressure, relative to the preload pressure
-    """
-
-    jump_coefficients: FloatArray
-    shift: float
-    series: kernel.Series
-    sampled: kernel.SampledMotion
-    hysteresis: kernel.Hysteresis
-    correction: FloatArray
-    coefficients: FloatArray
-    open: BoolArray
-    pressure_change: FloatArray
-
-    @property
-    def rate(self) -> FloatArray:
-        """(3 n, N) change of the motion per sample, m."""
-        return np.asarray(self.jump_coefficients @ self.series.velocities.T)
-
-    @property
-    def periodicity_error(self) -> float:
-        """Largest change of the elastic slip during the last period computed, relative to gamma*."""
-        return float(self.hysteresis.change.max(initial=0.0))
 
 
 class HarmonicContact:
@@ -311,12 +270,14 @@ class HarmonicContact:
         return out
 
     def point_blocks(
-        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE, among: IntArray | None = None
-    ) -> tuple[np.ndarray, FloatArray, FloatArray]:
+        self, contact: PeriodicContact, *, threshold: float = PRESSURE_CHANGE, among: IntArray | None = None,
+        precision: type = np.float64, mean: bool = False,
+    ) -> tuple[IntArray, np.ndarray, FloatArray]:  # fmt: skip
         """Derivatives of s (see `PeriodicContact`) at the points that slide or open, or whose pressure varies.
 
         A pressure counts as varying if its largest change, relative to the preload pressure, exceeds ``threshold``.
-        Only the points ``among`` those with given indices are taken; None: all.
+        Only the points ``among`` those with given indices are taken; None: all. With ``mean``, the derivatives are
+        those of the mean traction by the mean displacement, R = 1. ``precision`` is that of the blocks.
 
         Returns
         -------
@@ -328,20 +289,30 @@ class HarmonicContact:
         wanted = moved | (contact.pressure_change > threshold) | contact.open.any(axis=1)
         if among is not None:
             wanted = np.isin(np.arange(self.n), among) & wanted
-        points, size = np.flatnonzero(wanted), self.sampling.size
-        blocks, by_frequency = np.zeros((len(points), 3, size, 3, size)), np.zeros((len(points), 2, size))
+        points, series, products = np.flatnonzero(wanted), contact.series, self.sampling.products(contact.shift)
+        if mean:
+            series, products = series.of_mean(), products._replace(orders=products.orders[:1])
+        size = len(series.project)
+        blocks: np.ndarray = np.zeros((len(points), 3, size, 3, size), precision)
+        by_frequency = np.zeros((len(points), 2, size))
         derivatives(
-            points, contact.sampled, contact.hysteresis, self.reference, self.laws, contact.series,
-            self.sampling.products(contact.shift), blocks, by_frequency,
+            points, contact.sampled, contact.hysteresis, self.reference, self.laws, series, products, blocks,
+            by_frequency,
         )  # fmt: skip
         return points, blocks, by_frequency
 
-    def weighted_blocks(self, contact: PeriodicContact, threshold: float) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        """`point_blocks` for Newton's matrix: of the subset `tangent`, multiplied by its factors, or of all points."""
+    def weighted_blocks(self, contact: PeriodicContact, threshold: float) -> tuple[IntArray, np.ndarray, FloatArray]:
+        """`point_blocks` for Newton's matrix, in its precision: of the subset `tangent`, multiplied by its factors.
+
+        Without a subset, they are those of all points.
+        """
+        precision = self.newton_operators[0].dtype.type
         if self.tangent is None:
-            return self.point_blocks(contact, threshold=threshold)
-        points, blocks, by_frequency = self.point_blocks(contact, threshold=threshold, among=self.tangent.points)
-        factors = np.zeros(self.n)
+            return self.point_blocks(contact, threshold=threshold, precision=precision)
+        points, blocks, by_frequency = self.point_blocks(
+            contact, threshold=threshold, among=self.tangent.points, precision=precision
+        )
+        factors = np.zeros(self.n, precision)
         factors[self.tangent.points] = self.tangent.factors
         blocks *= factors[points, None, None, None, None]
         by_frequency *= factors[points, None, None]
@@ -356,12 +327,11 @@ class HarmonicContact:
         """
         count = len(self.active)
         points, blocks, by_frequency = self.weighted_blocks(contact, threshold)
-        precision = self.newton_operators[0].dtype
-        matrix, by_log = np.zeros((count, count), precision), np.zeros((self.sampling.size, self.model.size))
+        matrix, by_log = np.zeros((count, count), blocks.dtype), np.zeros((self.sampling.size, self.model.size))
         if len(points) == 0:
             return matrix, by_log
         dofs = self.dofs[points]
-        fill_matrix(dofs, blocks.astype(precision, copy=False), self._unknowns, matrix)
+        fill_matrix(dofs, blocks, self._unknowns, matrix)
         if by_frequency.any():  # laws that depend on the slip rate
             along = dofs[:, :2].ravel()
             forces = self.force_operator[:, along] @ by_frequency.reshape(len(along), -1)

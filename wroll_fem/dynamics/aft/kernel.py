@@ -84,6 +84,11 @@ class Series(NamedTuple):
     velocities: FloatArray
     project: FloatArray
 
+    def of_mean(self) -> Series:
+        """The same matrices for the mean alone, the first of the coefficients."""
+        first = (self.values[:, :1], self.velocities[:, :1], self.project[:1])
+        return Series(*(np.ascontiguousarray(part) for part in first))
+
 
 class Products(NamedTuple):
     """What gives the matrix that multiplies a motion by a periodic function.

@@ -90,32 +90,18 @@ def _fill_tractions(blocks, r, motions, first, width, start, out):
                     row[target + i] = hoop * motion[at] + axial * motion[m + at] + normal * motion[m + m + at]
 
 
-@numba.njit(cache=True)
-def single_precision(blocks, areas):
-    """Derivatives (a, 3 R, 3 R) times the ``areas`` (a,) of their points, in single precision and transposed.
+@numba.njit(cache=True, fastmath=True)
+def apply_blocks(blocks, areas, places, motion, out):
+    """Fill ``out`` (n, 3 R) with the forces due to a ``motion`` (n, 3 R) of the contact points, in single precision.
 
-    ``blocks`` (a, 3, R, 3, R): derivatives of the tractions by the motions.
-    """
-    a, size = blocks.shape[0], 3 * blocks.shape[2]
-    out = np.empty((a, size, size), np.float32)
-    for p in range(a):
-        block = blocks[p].reshape(size, size)
-        for i in range(size):
-            for j in range(size):
-                out[p, j, i] = areas[p] * block[i, j]
-    return out
-
-
-@numba.njit(cache=True)
-def apply_blocks(blocks, places, motion, out):
-    """Fill ``out`` (n, 3 R) with the forces due to a ``motion`` (n, 3 R) of the contact points.
-
-    ``blocks`` (a, 3 R, 3 R) is transposed, see `single_precision`; the other points than ``places`` (a,) have no force.
+    ``blocks`` (a, 3 R, 3 R) are derivatives of the tractions by the motions at the points ``places`` (a,) with the
+    ``areas`` (a,); the other points have no force. The sums may take any order, which they need to be vectorised.
     """
     out[:] = 0.0
     for p in range(blocks.shape[0]):
-        block, there, force = blocks[p], motion[places[p]], out[places[p]]
-        for j in range(block.shape[0]):
-            row, moved = block[j], there[j]
-            for i in range(row.shape[0]):
-                force[i] += row[i] * moved
+        block, there, force, area = blocks[p], motion[places[p]], out[places[p]], areas[p]
+        for i in range(block.shape[0]):
+            row, total = block[i], np.float32(0.0)
+            for j in range(row.shape[0]):
+                total += row[j] * there[j]
+            force[i] = area * total

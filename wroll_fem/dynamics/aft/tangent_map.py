@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.typing import FloatArray
 
 
@@ -36,7 +37,7 @@ class TangentMap:
         self.shape, self.dofs = (size, owner.model.size), owner.dofs[points].ravel()
         operator, jump = owner.newton_operators
         self.precision = operator.dtype
-        self.blocks = blocks.reshape(count, 3 * size, 3 * size).astype(self.precision, copy=False)
+        self.blocks = blocks.reshape(count, 3 * size, 3 * size)
         self.parts = [
             (np.ix_(rows, columns), rows, jump[np.ix_(self.dofs, columns)], operator[np.ix_(columns, self.dofs)])
             for rows, columns in owner.groups

@@ -7,9 +7,8 @@ harmonic of the residual of the equation of motion has to vanish,
     [-(k\omega)^2 + i k \omega C + \Lambda]\, Q_k + (G\Phi)^T W s_k = -b\, a_g\, \delta_{k1}, \qquad
     s = t - t_0 - D_0 (g - g_0)
 
-with s from the alternating frequency/time method (room `aft`). The response curve (`response`) is followed by
-arc-length continuation (`continuation`), so that it may have folds. The unknowns are scaled by sqrt(lambda + omega^2):
-the norm of a scaled motion is its energy norm.
+with s from the alternating frequency/time method (room `aft`). Arc-length continuation follows response curves past
+their folds. The unknowns are scaled by sqrt(lambda + omega^2): the norm of a scaled motion is its energy norm.
 
 References
 ----------
@@ -25,7 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wroll_fem.dynamics.aft import kernel
-from wroll_fem.dynamics.aft.harmonic_contact import PRESSURE_CHANGE, HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import PRESSURE_CHANGE, HarmonicContact
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.dynamics.aft.tangent_map import TangentMap
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.errors import ConvergenceError

@@ -24,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact, PeriodicContact
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.numerics.nonnegative import sparse_nonnegative
 from wroll_fem.typing import FloatArray
@@ -54,12 +55,18 @@ class Motions(NamedTuple):
     ----------
     coefficients : (p, R, k) Fourier coefficients
     frequencies : (p,) rad/s
-    vectors : (r, k) displacement per unit coefficient, in modal coordinates of the condensation
+    vectors : (r, k) displacement per unit coefficient, in modal coordinates of the condensation; None if the
+        coefficients are those of all modes, k = r
     """
 
     coefficients: FloatArray
     frequencies: FloatArray
-    vectors: FloatArray
+    vectors: FloatArray | None
+
+    def some(self, most: int) -> Motions:
+        """At most so many of these motions, evenly spaced and with both ends."""
+        kept = np.unique(np.linspace(0, len(self.frequencies) - 1, min(len(self.frequencies), most)).astype(int))
+        return self._replace(coefficients=self.coefficients[kept], frequencies=self.frequencies[kept])
 
 
 def contributions(contact: HarmonicContact, coefficients: FloatArray, frequency: float) -> FloatArray:
@@ -71,9 +78,12 @@ def contributions(contact: HarmonicContact, coefficients: FloatArray, frequency:
     size = max(float(np.linalg.norm(coefficients * root)), 1e-300)
     state = contact.evaluate(contact.motion(coefficients), frequency)
     force = (contact.weights[:, None] * state.coefficients)[contact.dofs]  # (n, 3, R)
-    force = np.einsum("nim,nir->nrm", contact.jump[contact.dofs] / root, force, optimize=True)
-    parts = force.reshape(contact.n, -1)[:, contact.active]
-    return np.column_stack([parts, works(contact, state) / size]) / size
+    jump, rows = contact.jump[contact.dofs] / (size * root), force.transpose(0, 2, 1)
+    parts = [
+        (np.ascontiguousarray(rows[:, own]) @ jump[:, :, columns]).reshape(contact.n, len(own) * len(columns))
+        for own, columns in contact.groups
+    ]
+    return np.column_stack([*parts, works(contact, state) / size**2])
 
 
 def works(contact: HarmonicContact, state: PeriodicContact) -> FloatArray:
@@ -91,7 +101,9 @@ def sampled(
     Harmonics of the motions beyond those of the contact are left out. For the tolerances see `SAMPLE_TOLERANCE` and
     `WORK_TOLERANCE`.
     """
-    shift, size = motions.vectors.T @ contact.model.vectors, contact.sampling.size
+    shift, size = contact.model.vectors, contact.sampling.size
+    if motions.vectors is not None:
+        shift = motions.vectors.T @ shift
     forces, of_work = [], []
     for motion, frequency in zip(motions.coefficients, motions.frequencies, strict=True):
         own = np.zeros((size, contact.model.size))

@@ -21,6 +21,7 @@ from wroll_fem.dynamics.periodic.harmonic_balance import (
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.statics.contact_state import ContactState
 from wroll_fem.errors import ConvergenceError, InputError
+from wroll_fem.numerics.bordered import Bordered
 from wroll_fem.numerics.continuation import CurvePoint, StepControl
 from wroll_fem.typing import FloatArray
 
@@ -45,6 +46,7 @@ class HarmonicCurve:
     gap : frequencies (rad/s) between which the response exceeds `LARGEST_GROWTH` and is not computed; None without a
         gap
     skipped : frequencies (rad/s) just past the internal resonances that were stepped over
+    factors : LU factors at the points, or None; empty if none were kept
     """
 
     frequencies: FloatArray
@@ -56,6 +58,7 @@ class HarmonicCurve:
     problem: FrequencyCurve = field(repr=False)
     gap: tuple[float, float] | None = None
     skipped: tuple[float, ...] = ()
+    factors: tuple[Bordered | None, ...] = field(default=(), repr=False)
 
     @classmethod
     def of_points(
@@ -77,12 +80,13 @@ class HarmonicCurve:
             problem=problem,
             gap=gap,
             skipped=tuple(skipped),
+            factors=tuple(p.factors for p in points) if any(p.factors for p in points) else (),
         )
 
     def take(self, points: list[int]) -> HarmonicCurve:
         """Curve with the points of the given indices only."""
         names = ("frequencies", "coefficients", "tangents", "iterations", "stable")
-        return replace(self, **{name: getattr(self, name)[points] for name in names})
+        return replace(self, **{name: getattr(self, name)[points] for name in names}, factors=())
 
     @property
     def beyond(self) -> int:
@@ -112,7 +116,8 @@ class HarmonicCurve:
         Each point is sought in the plane normal to the curve. ``starts`` (p, R, m) are first guesses in the
         other model. By default, the first guesses are the motions of this curve. Points that are not in ``only`` are
         shifted like their neighbours, no solutions; by default, all are recomputed. ``exact`` is the same contact with
-        an exact Jacobian, for points that do not converge with that of ``contact``.
+        an exact Jacobian, for points that do not converge with that of ``contact``. In the same model, the kept LU
+        factors of the points are used first.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
         band, size, acceleration, factor = self.problem.band, self.problem.size, self.balance.acceleration, None
@@ -135,24 +140,14 @@ class HarmonicCurve:
                 aside = BESIDE * float(np.linalg.norm(places[0] - last)) * row
                 places += [places[0] - aside, places[0] + aside]
             steps = control.suited_to(len(row))
-            z, history, _, factor = corrected_from(problems, places, row, steps, kept=factor, chord=starts is None)
+            own = self.factors[k] if self.factors and contact.model is self.balance.model else None
+            z, history, _, factor = corrected_from(
+                problems, places, row, steps, kept=own or factor, chord=starts is None or own is not None
+            )
             if z is not None:
                 found.append(CurvePoint(z, row, len(history), bool(self.stable[k])))
         found = found if only is None else carried_along(found, np.array(before), only)
         return HarmonicCurve.of_points(problem, found, self.gap, self.skipped)
-
-    def carried(self, contact: HarmonicContact, motions: FloatArray) -> HarmonicCurve:
-        """Curve with other ``motions`` (p, R, r), in all modes, in a model that holds them; they are not solved for."""
-        shift = self.balance.model.vectors.T @ contact.model.vectors
-        balance = HarmonicBalance(contact, self.balance.acceleration)
-        problem = FrequencyCurve(balance, self.problem.band, self.problem.size)
-        tangents = np.array([
-            np.append((self.direction(k) @ shift * problem.root).ravel()[problem.active], self.tangents[k, -1])
-            for k in range(len(self.frequencies))
-        ])  # fmt: skip
-        return replace(
-            self, coefficients=motions @ contact.model.vectors, tangents=tangents, balance=balance, problem=problem
-        )
 
     def extended(self, contact: HarmonicContact) -> HarmonicCurve:
         """Curve of the same motions with at least as many harmonics as ``contact``; those added have zero amplitude."""
@@ -165,7 +160,7 @@ class HarmonicCurve:
         changes = (np.pad(changes, ((0, 0), (0, more), (0, 0))) * problem.root).reshape(len(changes), -1)
         return replace(
             self, coefficients=np.pad(self.coefficients, ((0, 0), (0, more), (0, 0))), balance=balance,
-            tangents=np.column_stack([changes[:, problem.active], self.tangents[:, -1]]), problem=problem,
+            tangents=np.column_stack([changes[:, problem.active], self.tangents[:, -1]]), problem=problem, factors=(),
         )  # fmt: skip
 
     def overtones(self, k: int) -> float:

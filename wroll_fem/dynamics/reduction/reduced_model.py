@@ -77,12 +77,7 @@ class ReducedModel:
         InputError
             If no vector is left.
         """
-        basis = _orthonormal(vectors, condensation.eigenvalues)
-        if basis.shape[1] == 0:
-            raise InputError("a reduced model needs at least one basis vector that is not zero")
-        stiffness = basis.T @ (condensation.eigenvalues[:, None] * basis)
-        values, ritz = la.eigh(0.5 * (stiffness + stiffness.T))
-        return cls.on(condensation, basis @ ritz, values)
+        return cls.on(condensation, *ritz_vectors(condensation, vectors))
 
     @classmethod
     def on(cls, condensation: Condensation, vectors: FloatArray, values: FloatArray) -> ReducedModel:
@@ -116,6 +111,24 @@ class ReducedModel:
         """Square root of twice the strain energy of modal displacements (r, ...) with the interface stuck, J^(1/2)."""
         values = self.condensation.eigenvalues.reshape(-1, *[1] * (displacement.ndim - 1))
         return np.sqrt(np.sum(values * displacement**2, axis=0))
+
+
+def ritz_vectors(condensation: Condensation, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mass-orthonormal basis (r, m) of the span of ``vectors`` (r, k) with a diagonal stiffness, and its diagonal (m,).
+
+    Linearly dependent vectors are dropped.
+
+    Raises
+    ------
+    InputError
+        If no vector is left.
+    """
+    basis = _orthonormal(vectors, condensation.eigenvalues)
+    if basis.shape[1] == 0:
+        raise InputError("a reduced model needs at least one basis vector that is not zero")
+    stiffness = basis.T @ (condensation.eigenvalues[:, None] * basis)
+    values, ritz = la.eigh(0.5 * (stiffness + stiffness.T))
+    return basis @ ritz, values
 
 
 def contact_jump(condensation: Condensation, vectors: FloatArray) -> FloatArray:

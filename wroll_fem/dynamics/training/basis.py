@@ -18,9 +18,9 @@ from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
+from wroll_fem.dynamics.reduction.reduced_model import ReducedModel, ritz_vectors
 from wroll_fem.dynamics.training.correction import corrections
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 SMALL = 40
 """Largest number of modes of a structure that is not reduced."""
@@ -28,6 +28,9 @@ SMALL = 40
 COMPRESSION = 0.2
 """Singular value, relative to the tolerance, below which a principal shape of the motions of a curve is dropped from
 the next basis."""
+
+REACH = 1.05
+"""Frequency, relative to the highest harmonic of the motions, up to which modes are basis vectors."""
 
 ROUNDING = 1e-9
 """Norm of a part of a vector, relative to the norm of the vector, below which the part counts as rounding error."""
@@ -86,14 +89,14 @@ def span(condensation: Condensation, vectors: FloatArray, symmetry: HalfPeriod |
     """
     if symmetry is None:
         return ReducedModel.of_vectors(condensation, vectors)
-    size = np.linalg.norm(vectors, axis=0)
-    parts = []
+    size, found, values = np.linalg.norm(vectors, axis=0), [], []
     for part in symmetry.parts(vectors):
         kept = part[:, np.linalg.norm(part, axis=0) > ROUNDING * size]
         if kept.shape[1]:
-            parts.append(ReducedModel.of_vectors(condensation, kept))
-    joined = np.column_stack([part.vectors for part in parts])
-    return ReducedModel.on(condensation, joined, np.concatenate([part.eigenvalues for part in parts]))
+            ritz, squares = ritz_vectors(condensation, kept)
+            found.append(ritz)
+            values.append(squares)
+    return ReducedModel.on(condensation, np.column_stack(found), np.concatenate(values))
 
 
 def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry: HalfPeriod | None) -> ReducedModel:
@@ -109,19 +112,41 @@ def with_shapes(model: ReducedModel, shapes: FloatArray, least: float, symmetry:
 
 
 def principal_span(
-    condensation: Condensation, motions: FloatArray, least: float, symmetry: HalfPeriod | None
-) -> ReducedModel:
-    """Reduced model on the principal shapes of modal motions (p, R, r).
+    condensation: Condensation, motions: FloatArray, least: float, symmetry: HalfPeriod | None, *,
+    modes: IntArray | None = None, means: FloatArray | None = None,
+) -> ReducedModel:  # fmt: skip
+    """Reduced model on the principal shapes of modal motions (p, R, r), and on some of the ``modes`` themselves.
 
-    Each motion is scaled to unit energy norm; principal shapes with a norm above ``least`` are kept.
+    Each motion is scaled to unit energy norm; ``means`` (r, k) are further shapes in this scale. Principal shapes with
+    a norm above ``least`` are kept. With modes, they are those of what is left without these modes.
     """
     values = condensation.eigenvalues
+    modes = np.zeros(0, np.int64) if modes is None else modes
     root = np.sqrt(np.maximum(values, 1e-12 * values.max()))
     scaled = motions * root
-    scaled = scaled / np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
+    scaled /= np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
     shapes = scaled.reshape(-1, len(values)).T  # (r, p R)
+    shapes = shapes.copy() if means is None else np.column_stack([shapes, root[:, None] * means])
+    shapes[modes] = 0.0
+    own = np.zeros((len(values), len(modes)))
+    own[modes, np.arange(len(modes))] = 1.0
     kept = [_principal(part, least) for part in _parts(shapes, symmetry)]
-    return span(condensation, np.column_stack(kept) / root[:, None], symmetry)
+    return span(condensation, np.column_stack([own, *(part / root[:, None] for part in kept)]), symmetry)
+
+
+def reached_modes(condensation: Condensation, motions: Motions, orders: FloatArray, least: float) -> IntArray:
+    """Indices of the modes with frequencies up to the highest harmonic of ``motions`` in all modes.
+
+    Harmonics meet these modes in internal resonances, where a small error of the force on a mode is a large error of
+    its motion. Without the mode itself, moreover, a mixture of basis vectors takes its place, at another frequency. A
+    mode counts if its largest energy norm in a motion, relative to it, exceeds ``least``. ``orders`` (R,) are the
+    harmonic numbers of the coefficients.
+    """
+    values = condensation.eigenvalues
+    scaled = motions.coefficients * np.sqrt(np.maximum(values, 0.0))
+    scaled /= np.linalg.norm(scaled, axis=(1, 2), keepdims=True)
+    highest = REACH * float(orders.max() * motions.frequencies.max())
+    return np.flatnonzero((values < highest**2) & (np.linalg.norm(scaled, axis=1).max(axis=0) > least))
 
 
 def with_snapshots(

@@ -19,10 +19,11 @@ import numpy as np
 import scipy.linalg as la
 
 from wroll_fem.dynamics.aft.every_mode import EveryMode
-from wroll_fem.dynamics.aft.matrix import apply_blocks, single_precision
+from wroll_fem.dynamics.aft.matrix import apply_blocks
+from wroll_fem.dynamics.aft.periodic_contact import PeriodicContact
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.numerics.krylov import gmres_together
-from wroll_fem.typing import FloatArray
+from wroll_fem.typing import FloatArray, IntArray
 
 DIRECT = 2000
 """Largest number of unknowns (modes times Fourier coefficients) of a direct solution."""
@@ -50,12 +51,14 @@ class Correction:
     modal : (r, R) first-order correction in modal coordinates of the condensation
     shapes : (r, R) ``modal`` divided by the energy norm of the motion
     energy : energy norm of the correction divided by the energy norm of the motion
+    moving : the same without the correction of the mean displacement
     tip : change of the fundamental of the tip displacement, relative to this fundamental
     """
 
     modal: FloatArray
     shapes: FloatArray
     energy: float
+    moving: float
     tip: float
 
 
@@ -84,19 +87,38 @@ def corrections(
     *,
     tolerance: float = KRYLOV_TOLERANCE,
 ) -> list[Correction]:
-    """First-order corrections of motions (p, R, m) at ``frequencies`` (p,), rad/s, from the residual of the full model.
+    """First-order corrections of motions (p, R, m) of a reduced model; see `modal_corrections`.
 
-    ``along`` (k, R, m) are directions, for each motion, whose components are removed from its correction. One is the
-    direction of the curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear
-    mode, the directions of amplitude and phase are added, as both are free. ``damping`` are the modal damping ratios of
-    nonlinear modes, which their negative damping compensates. ``tolerance`` is the relative residual of GMRES. A
-    correction that is not finite counts as infinitely large and has no shapes.
+    ``along`` (k, R, m) are the directions of each motion, in the coordinates of the reduced model too.
+    """
+    vectors = balance.model.vectors.T
+    directions = None if along is None else [one @ vectors for one in along]
+    return modal_corrections(balance, coefficients @ vectors, frequencies, directions, damping, tolerance=tolerance)
+
+
+def modal_corrections(
+    balance: HarmonicBalance,
+    motions: FloatArray,
+    frequencies: FloatArray,
+    along: Sequence[FloatArray] | None = None,
+    damping: FloatArray | None = None,
+    *,
+    tolerance: float = KRYLOV_TOLERANCE,
+) -> list[Correction]:
+    """First-order corrections of ``motions`` (p, R, r) in all modes at ``frequencies`` (p,), rad/s.
+
+    ``balance`` has the load and the contacts of the motions; its reduced model has no influence. ``along`` (k, R, r)
+    are directions, for each motion, whose components are removed from its correction. One is the direction of the
+    curve: on a steep flank, a small shift in frequency would look like a large error. For a nonlinear mode, the
+    directions of amplitude and phase are added, as both are free. ``damping`` are the modal damping ratios of nonlinear
+    modes, which their negative damping compensates. ``tolerance`` is the relative residual of GMRES. A correction that
+    is not finite counts as infinitely large and has no shapes.
     """
     found = []
     count = _number_together(balance)
-    for first in range(0, len(coefficients), count):
+    for first in range(0, len(motions), count):
         part = slice(first, first + count)
-        at = _Motions(balance, coefficients[part], frequencies[part])
+        at = _Motions(balance, motions[part], frequencies[part])
         residual = at.residual(None if damping is None else damping[part])
         deltas = _direct(at, residual) if _has_few_modes(balance) else _by_jumps(at, residual, tolerance)
         for k in range(len(at)):
@@ -104,12 +126,29 @@ def corrections(
     return found
 
 
+def corrected_means(
+    balance: HarmonicBalance, motions: FloatArray, frequencies: FloatArray, *, tolerance: float = KRYLOV_TOLERANCE
+) -> FloatArray:
+    """(p, r) mean displacements of motions (p, R, r) after a correction of the mean alone; see `modal_corrections`.
+
+    The mean displacement is static, and the history of slip determines it: it changes along a curve in smaller steps
+    than the harmonics, and one correction costs a tenth of that of a motion.
+    """
+    out = motions[:, 0].copy()
+    count = TOGETHER * len(balance.orders)
+    for first in range(0, len(motions), count):
+        part = slice(first, first + count)
+        at = _Motions(balance, motions[part], frequencies[part], mean=True)
+        out[part] += at.repeated.joined(_by_jumps(at, at.residual(None), tolerance)).T
+    return out
+
+
 def _corrected(at: _Motions, number: int, delta: list[FloatArray], along: FloatArray | None) -> Correction:
     """Correction from the change ``delta`` of the modes, without its components ``along`` given directions."""
-    model, every = at.balance.model, at.every
+    condensation, every = at.balance.model.condensation, at.every
     scaled = at.energetic(delta, number)
     if along is not None:
-        directions = np.column_stack([at.energetic(every.split(model.vectors @ one.T), number) for one in along])
+        directions = np.column_stack([at.energetic(every.split(one.T), number) for one in along])
         directions = la.qr(directions, mode="economic", check_finite=False)[0]
         scaled -= directions @ (directions.T @ scaled)
     ends = np.cumsum([0, *(part.size for part in delta)])
@@ -120,14 +159,17 @@ def _corrected(at: _Motions, number: int, delta: list[FloatArray], along: FloatA
     found = every.joined(delta)
     if not np.isfinite(found).all():
         nothing = np.zeros_like(found)
-        return Correction(nothing, nothing, np.inf, np.inf)
+        return Correction(nothing, nothing, np.inf, np.inf, np.inf)
     norm = float(np.linalg.norm(at.energetic(at.of(at.modal, number), number)))
-    fundamental = at.coefficients[number][1:3] @ model.tip
+    root = np.sqrt(np.maximum(condensation.eigenvalues, 0.0) + at.frequencies[number] ** 2)
+    whole, mean = float(np.linalg.norm(scaled)), float(np.linalg.norm(root * found[:, 0]))
+    fundamental = at.motions[number][1:3] @ condensation.tip
     return Correction(
         found,
         found / norm,
-        float(np.linalg.norm(scaled)) / norm,
-        float(np.linalg.norm(model.condensation.tip @ found[:, 1:3]) / np.linalg.norm(fundamental)),
+        whole / norm,
+        float(np.sqrt(max(whole**2 - mean**2, 0.0))) / norm,
+        float(np.linalg.norm(condensation.tip @ found[:, 1:3]) / np.linalg.norm(fundamental)),
     )
 
 
@@ -135,7 +177,7 @@ def _by_jumps(at: _Motions, residual: list[FloatArray], tolerance: float) -> lis
     """Solution of the linearised equations for the jumps, by GMRES, then for the modes."""
     direct = [-part * force for part, force in zip(at.inverse, residual, strict=True)]
     tangent = _Tangents(at)
-    jump = at.repeated.motion(direct)
+    jump = at.single.motion(direct)
     count = len(at)
     jumps = [np.ascontiguousarray(part) for part in np.split(jump, count, axis=2)]
     sizes = [float(np.abs(part).max(initial=0.0)) or 1.0 for part in jumps]
@@ -183,41 +225,62 @@ def _inverse_stiffness(values: FloatArray, squares: FloatArray) -> FloatArray:
 
 
 class _Motions:
-    """Motions of a reduced model in all modes, by groups of `EveryMode`: in each array one motion after the other.
+    """Motions in all modes, by groups of `EveryMode`: in each array one motion after the other.
+
+    Parameters
+    ----------
+    balance, motions, frequencies
+        See `modal_corrections`.
+    mean
+        Whether the equations are those of the mean displacement alone.
 
     Attributes
     ----------
-    every, repeated : maps of one motion and of all of them
+    orders : (R,) harmonic numbers of the coefficients in the equations
+    every, repeated, single : maps of one motion and of all of them, and the latter in single precision
     states : contacts during a period
     modal : modal coordinates of the motions, one array per group
     stiffness, inverse : dynamic stiffness L, and its inverse with L kept away from 0 (`NEAR_RESONANCE`)
     """
 
-    def __init__(self, balance: HarmonicBalance, coefficients: FloatArray, frequencies: FloatArray):
-        contact, every = balance.contact, balance.contact.every_mode
-        self.balance, self.coefficients, self.frequencies, self.every = balance, coefficients, frequencies, every
-        self.repeated = every.repeated(len(coefficients))
-        self.states = [
-            contact.evaluate(contact.motion(q), float(w)) for q, w in zip(coefficients, self.frequencies, strict=True)
-        ]
-        self.modal = self.repeated.split(balance.model.vectors @ np.concatenate(coefficients).T)
+    def __init__(self, balance: HarmonicBalance, motions: FloatArray, frequencies: FloatArray, *, mean: bool = False):
+        every = balance.contact.every_mode
+        self.balance, self.motions, self.frequencies, self.mean = balance, motions, frequencies, mean
+        whole = every.repeated(len(motions))
+        self.modal = whole.split(np.concatenate(motions).T)
+        self.states = self._states(whole.motion(self.modal), every)
+        self.orders = balance.orders[:1] if mean else balance.orders
+        self.every = every.of_mean() if mean else every
+        self.repeated = self.every.repeated(len(motions))
+        single = every.single.of_mean() if mean else every.single
+        self.single = single.repeated(len(motions))
+        if mean:
+            self.modal = self.repeated.split(motions[:, 0].T)
         self.stiffness: list[FloatArray] = []
         self.inverse: list[FloatArray] = []
-        for squares, values in zip(self.squares(every), every.eigenvalues, strict=True):
+        for squares, values in zip(self.squares(self.every), self.every.eigenvalues, strict=True):
             self.stiffness.append(values[:, :, None] - squares)
             self.inverse.append(_inverse_stiffness(values, squares))
 
+    def _states(self, jumps: FloatArray, every: EveryMode) -> list[PeriodicContact]:
+        """Contact during a period of each motion, from their ``jumps`` (n, 3, R ...)."""
+        contact, states = self.balance.contact, []
+        for jump, frequency in zip(np.split(jumps, len(self), axis=2), self.frequencies, strict=True):
+            coefficients = np.empty((3 * contact.n, jump.shape[2]))
+            coefficients[every.dofs] = jump
+            states.append(contact.evaluate(coefficients, float(frequency)))
+        return states
+
     def __len__(self) -> int:
-        return len(self.coefficients)
+        return len(self.motions)
 
     def squares(self, maps: EveryMode) -> list[FloatArray]:
         """Squared frequencies of the coefficients of each group of ``maps``, which are those of one motion."""
-        orders = self.balance.orders
-        return [np.square(np.outer(self.frequencies, orders[group.columns]).ravel()) for group in maps.groups]
+        return [np.square(np.outer(self.frequencies, self.orders[group.columns]).ravel()) for group in maps.groups]
 
     def of(self, parts: Sequence[np.ndarray], number: int) -> list[np.ndarray]:
         """Part of the arrays ``parts`` that belongs to one motion."""
-        return [part.reshape(*part.shape[:2], len(self), -1)[:, :, number] for part in parts]
+        return [part.reshape(*part.shape[:2], len(self), part.shape[2] // len(self))[:, :, number] for part in parts]
 
     def root(self, number: int) -> list[FloatArray]:
         """Square roots of the energy of unit coordinates in one motion, one array (b, d, 1) per group."""
@@ -227,22 +290,22 @@ class _Motions:
     def residual(self, damping: FloatArray | None) -> list[FloatArray]:
         """Residual of the harmonic balance in all modes; for ``damping`` see `corrections`."""
         balance, every, c = self.balance, self.repeated, self.balance.model.condensation
-        weights = balance.contact.laws.area[every.points][:, None, None]
-        tractions = np.concatenate([state.coefficients[every.dofs] for state in self.states], axis=2)
+        weights, size = balance.contact.laws.area[every.points][:, None, None], len(self.orders)
+        tractions = np.concatenate([state.coefficients[every.dofs, :size] for state in self.states], axis=2)
         residual = every.force(weights * tractions)
-        cosines = np.tile(np.arange(len(balance.orders)) == 1, len(self))
+        cosines = np.tile(np.arange(size) == 1, len(self))
         for group, stiffness, motion, force in zip(every.groups, self.stiffness, self.modal, residual, strict=True):
             force += stiffness * motion
             force[:, :, cosines[group.columns]] += balance.acceleration * group.of_modes(c.base)[:, :, None]
         if c.forces:
-            further = np.tile(balance.further_load().T, len(self))
+            further = np.tile(balance.further_load()[:size].T, len(self))
             for force, part in zip(residual, every.split(further), strict=True):
                 force -= part
-        if c.damping or (damping is not None and damping.any()):
+        if size > 1 and (c.damping or (damping is not None and damping.any())):
             ratios = np.zeros(len(self)) if damping is None else damping
             parts = []
-            for q, w, ratio in zip(self.coefficients, self.frequencies, ratios, strict=True):
-                speed = balance.model.vectors @ balance.velocity(q, w).T  # (r, R)
+            for motion, w, ratio in zip(self.motions, self.frequencies, ratios, strict=True):
+                speed = balance.velocity(motion, w).T  # (r, R)
                 parts.append(-2.0 * ratio * w * speed + (c.viscous_force(speed) if c.damping else 0.0))
             for force, part in zip(residual, every.split(np.column_stack(parts)), strict=True):
                 force += part
@@ -260,13 +323,14 @@ class _Tangents:
         contact, every = at.balance.contact, at.every
         place = np.zeros(contact.n, np.int64)
         place[every.points] = np.arange(contact.n)
-        self.at, self.own, self.blocks = at, list[np.ndarray](), list[np.ndarray]()
+        self.at, self.derivatives = at, list[tuple[np.ndarray, FloatArray, IntArray]]()
         for state in at.states:
-            points, blocks, _ = contact.point_blocks(state, threshold=0.0)
-            self.own.append(place[points])
-            self.blocks.append(single_precision(blocks, contact.laws.area[points]))
+            points, blocks, _ = contact.point_blocks(state, threshold=0.0, precision=np.float32, mean=at.mean)
+            blocks = blocks.reshape(len(points), 3 * blocks.shape[2], -1)
+            self.derivatives.append((blocks, contact.laws.area[points].astype(np.float32), place[points]))
         largest = float((at.balance.orders.max() * at.frequencies.max()) ** 2)
-        self.residual_maps, values = every.with_residual_modes(largest)
+        maps, values = contact.every_mode.with_residual_modes(largest)
+        self.residual_maps = maps.of_mean() if at.mean else maps
         self._inverse = [
             _inverse_stiffness(part, squares).astype(np.float32)
             for part, squares in zip(values, at.squares(self.residual_maps), strict=True)
@@ -277,13 +341,13 @@ class _Tangents:
         """(n, 3, R ...) forces W D z of the motions of the given numbers, in single precision."""
         forces = np.empty((len(numbers), len(jumps[0]), jumps[0][0].size), np.float32)
         for force, number, z in zip(forces, numbers, jumps, strict=True):
-            apply_blocks(self.blocks[number], self.own[number], z.reshape(len(z), -1), force)
+            apply_blocks(*self.derivatives[number], z.reshape(len(z), -1), force)
         return np.concatenate([force.reshape(jumps[0].shape) for force in forces], axis=2)
 
     def forces(self, jumps: Sequence[FloatArray]) -> list[FloatArray]:
         """Modal forces G^T W D z due to the tractions that the jumps z (n, 3, R) of all motions cause."""
         tractions = self._tractions(range(len(jumps)), [z.astype(np.float32) for z in jumps])
-        return self.at.repeated.force(tractions.astype(float))
+        return self.at.single.force(tractions)
 
     def product(self, numbers: Sequence[int], jumps: Sequence[np.ndarray]) -> list[np.ndarray]:
         """F D z for z (n, 3, R), in single precision, of the motions of the given numbers, with residual modes."""

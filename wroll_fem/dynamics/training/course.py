@@ -295,7 +295,9 @@ class _Course(Generic[Curve]):
         else:
             points, anew = checked.richer.take(sorted(used)), not self._small and checked.coarse
             corrections = [found[k] for k in sorted(used)]
-            self._model = enriched(structure, training, points, corrections, task, anew=anew)
+            self._model = enriched(
+                structure, training, points, corrections, task, around=checked.richer if anew else None, used=used
+            )
         self._used = set() if self._moved is None else used
         self._stuck, self._factor = self._model.size == size and not checked.coarse, 1.0
         if training.file is not None:

@@ -13,6 +13,7 @@ from wroll_fem.dynamics.aft.sampling import Sampling
 from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, backbone_curve
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
+from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.reduction.condensation import Condensation
@@ -31,6 +32,10 @@ from wroll_fem.typing import FloatArray
 
 FEWEST_POINTS = 5
 """Smallest accepted number of points of a backbone that ends below the requested largest amplitude."""
+
+RESPONSE_TRAINED = 10
+"""Largest number of evenly spaced points of a response curve whose motions, in addition to those of the checked points,
+serve the basis. They are motions of the full model, and the means between them are corrected too."""
 
 BACKBONE_POINTS = 15
 """Number of points of a backbone at which the full model is evaluated to check the basis."""
@@ -89,10 +94,10 @@ class _ResponseTask(_CurveTask):
         return self.subsets.curve(self._level(factor), model, self._followed, factor, self.steps, checked_points)
 
     def _followed(self, contact: HarmonicContact, factor: float) -> HarmonicCurve:
+        control = replace(self.steps.longer(factor), keeps=factor == 1.0 and not contact.complete)
         return response_curve(
-            contact, amplitude=self.amplitude, frequencies=self.frequencies, control=self.steps.longer(factor),
-            on_point=self.on_point,
-        )  # fmt: skip
+            contact, amplitude=self.amplitude, frequencies=self.frequencies, control=control, on_point=self.on_point
+        )
 
     def chosen(self, curve: HarmonicCurve) -> list[int]:
         """Indices of the points that are checked."""
@@ -104,11 +109,12 @@ class _ResponseTask(_CurveTask):
         along = [points.direction(k)[None] for k in range(len(points.frequencies))]
         return corrections(points.balance, points.coefficients, points.frequencies, along, tolerance=residual)
 
-    def full_motions(self, points: HarmonicCurve, found: list[Correction], training: Training) -> FloatArray | None:
+    def full_motions(self, points: HarmonicCurve, found: list[Correction], training: Training) -> Motions | None:
         """Motions of the full model near the points of a curve; see `Task`."""
-        return full_motions(
-            self.structure, points, found, lambda part: self.check(part, training.rough), training.tolerance
-        )
+        motions = full_motions(points, found, training.rough)
+        if motions is not None:
+            self.subsets.prepared(motions)
+        return motions
 
     def shortened(self, curve: HarmonicCurve, points: HarmonicCurve, good: list[bool]) -> HarmonicCurve | None:
         """Curve with a wider gap, if all its inaccurate points lie around the gap."""
@@ -237,7 +243,9 @@ def trained_response(
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)
     task = _ResponseTask(structure, harmonics, steps, subsets, on_point, amplitude, frequencies)
-    training = subsets.quicker(Training(tolerance, max_rounds, on_round, file, snapshots, most_vectors=most_vectors))
+    training = subsets.quicker(
+        Training(tolerance, max_rounds, on_round, file, snapshots, most=RESPONSE_TRAINED, most_vectors=most_vectors)
+    )
     found = trained(structure, training, task)
     return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 
+from wroll_fem.dynamics.periodic.point_sample import Motions
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
-from wroll_fem.dynamics.training.basis import COMPRESSION, principal_span, with_shapes, with_snapshots
+from wroll_fem.dynamics.training.basis import (
+    COMPRESSION,
+    principal_span,
+    reached_modes,
+    with_shapes,
+    with_snapshots,
+)
 from wroll_fem.dynamics.training.correction import Correction
-from wroll_fem.dynamics.training.full_motions import LINEAR, POINT_ROUNDS, modal
+from wroll_fem.dynamics.training.full_motions import LINEAR, POINT_ROUNDS, modal, scaled_means
 from wroll_fem.dynamics.training.structure import Structure
 from wroll_fem.dynamics.training.training import TRAINING_HARMONICS, Curve, Task, Training
 from wroll_fem.typing import FloatArray
@@ -29,22 +37,23 @@ def enriched(
     found: list[Correction],
     task: Task[Curve],
     *,
-    anew: bool,
+    around: Curve | None,
+    used: Collection[int] = (),
 ) -> ReducedModel:
     """Reduced model with a basis enriched until the motions at ``points`` need only small corrections.
 
     ``found`` are the corrections of these motions in the present basis. The shapes of large corrections are added to
-    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. With ``anew``, a basis of the motions of the
-    full model (`Task.full_motions`) replaces the given one. Where there are none, a basis of the corrected motions
-    first replaces the given one, and finally a basis of the recomputed motions replaces the enriched one; neither
-    replacement is made if a point does not converge.
+    the basis and the motions are recomputed, up to `POINT_ROUNDS` times. If the curve ``around`` the points is given,
+    another basis replaces the present one: that of the motions of the full model (`Task.full_motions`), of the modes
+    that their harmonics reach, and of the mean displacements along the curve, at points that are not ``used``. Where
+    there are no such motions, a basis of the corrected motions first replaces the present one, and finally one of the
+    recomputed motions replaces the enriched one; neither replacement is made if a point does not converge.
     """
     model, condensation, symmetry = points.balance.model, structure.condensation, structure.symmetry
     wanted, settled = len(points.frequencies), []
-    negligible = COMPRESSION * training.tolerance
-    if anew and (motions := task.full_motions(points, found, training)) is not None:
-        return principal_span(condensation, motions, negligible, symmetry)
-    if anew and max(f.energy for f in found) < LINEAR:
+    if around is not None and (full := task.full_motions(points, found, training)) is not None:
+        return _of_motions(structure, training, full, around, used)
+    if around is not None and max(f.energy for f in found) < LINEAR:
         motions = modal(points) + np.array([f.modal.T for f in found])
         corrected = principal_span(condensation, motions, POINT_SHARE * training.tolerance, symmetry)
         moved = task.again(points, corrected, motions @ corrected.vectors)
@@ -68,10 +77,25 @@ def enriched(
         if not len(points.frequencies):
             break
         found = task.check(points, training.rough)
-    if not anew or sum(len(part.frequencies) for part in settled) < wanted:
+    if around is None or sum(len(part.frequencies) for part in settled) < wanted:
         return model
-    motions = np.concatenate([modal(part) for part in settled if len(part.frequencies)])
-    return principal_span(condensation, motions, negligible, symmetry)
+    kept = [part for part in settled if len(part.frequencies)]
+    motions = np.concatenate([modal(part) for part in kept])
+    frequencies = np.concatenate([part.frequencies for part in kept])
+    return _of_motions(structure, training, Motions(motions, frequencies, None), around, used)
+
+
+def _of_motions(
+    structure: Structure, training: Training, motions: Motions, around: Curve, used: Collection[int]
+) -> ReducedModel:
+    """Model of the principal shapes of motions, of the modes that they reach, and of the means along a curve.
+
+    The motions belong to the ``used`` points of the curve.
+    """
+    condensation, least = structure.condensation, COMPRESSION * training.tolerance
+    modes = reached_modes(condensation, motions, around.balance.orders, least)
+    means = scaled_means(around, used, training.rough)
+    return principal_span(condensation, motions.coefficients, least, structure.symmetry, modes=modes, means=means)
 
 
 def joined(structure: Structure, training: Training, model: ReducedModel, found: list[Correction]) -> ReducedModel:

@@ -12,8 +12,6 @@ from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError, sample_error, sampled
@@ -36,12 +34,14 @@ COMPLETED = 1e-6
 """Largest Newton correction, in scaled unknowns, after which a motion counts as completed. Its error
 is that of Newton's matrix, some tenths. The work of a cycle is then balanced to 1e-6."""
 
-PATIENCE = 3
-"""Factor on the largest number of iterations of such a correction, as Newton's matrix is approximate."""
+PATIENCE, RENEWAL = 3, 0.6
+"""Factor on the largest number of iterations of such a correction, as Newton's matrix is approximate, and ratio of
+successive residuals above which it factorises a new one. A new one is as approximate as the old one."""
 
-SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 10
-"""Relative residual of the corrections that enrich the basis, and number of points whose corrections do so, together
-with subsets: half the time of corrections. The remaining corrections are those of `training`."""
+SUBSET_ROUGH, SUBSET_TRAINED = 1e-2, 2
+"""Relative residual of the corrections that enrich the basis, and largest number of points whose corrections do so in
+addition to the checked ones: both ends of the curve, which are among these. Corrections would take half of the time
+otherwise."""
 
 MOST_MOTIONS = 12
 """Largest number of motions for which a subset is chosen; evenly spaced ones of more."""
@@ -78,6 +78,11 @@ class PointSampling:
             return
         if self._renew or self.motions is None or len(points.frequencies) >= len(self.motions.frequencies):
             self.motions, self._renew, self._latest = _some(points), False, None
+
+    def prepared(self, motions: Motions) -> None:
+        """Take note of the motions of which the basis of the next curve is made."""
+        if self.wanted:
+            self.motions, self._renew, self._latest = motions.some(MOST_MOTIONS), False, None
 
     def moved(
         self, points: Curve, level: Structure, model: ReducedModel, control: StepControl, starts: FloatArray | None,
@@ -121,7 +126,7 @@ class PointSampling:
             return follow(whole, factor)
         if factor > 1.0:
             return part.extended(whole)
-        loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations)
+        loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations, renewal=RENEWAL)
         done = part.moved_to(level.contact(model, tangent=sample), loose, part.coefficients, exact=whole)
         if len(done.frequencies) < len(part.frequencies):
             return follow(whole, factor)
@@ -161,6 +166,4 @@ def _followed(
 
 
 def _some(points: HarmonicCurve | BackboneCurve) -> Motions:
-    count = len(points.frequencies)
-    kept = np.unique(np.linspace(0, count - 1, min(count, MOST_MOTIONS)).astype(int))
-    return Motions(points.coefficients[kept], points.frequencies[kept], points.balance.model.vectors)
+    return Motions(points.coefficients, points.frequencies, points.balance.model.vectors).some(MOST_MOTIONS)

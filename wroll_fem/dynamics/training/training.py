@@ -18,7 +18,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
-from wroll_fem.dynamics.periodic.point_sample import SampleError
+from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import SMALL
@@ -74,11 +74,10 @@ class Task(Protocol[Curve]):
         """
         ...
 
-    def full_motions(self, points: Curve, found: list[Correction], training: Training) -> FloatArray | None:
-        """(k, R, r) motions of the full model near the points of a curve, whose corrections are ``found``.
+    def full_motions(self, points: Curve, found: list[Correction], training: Training) -> Motions | None:
+        """Motions of the full model, in all modes, near the points of a curve, whose corrections are ``found``.
 
-        They are in modal coordinates of the condensation. None if most of them, or those of such a curve, are not
-        found.
+        None if most of them, or those of such a curve, are not found.
         """
         ...
 
