@@ -38,8 +38,9 @@ shapes that only enrich a basis. Near a resonance the solution is less accurate:
 error estimate could not fall below 1e-3 there."""
 
 TOGETHER, BYTES = 8, 1.5e8
-"""Largest number of motions that are corrected at once, and largest memory of the derivatives of their tractions. The
-maps of all modes, which take longer to read than to multiply, are then read once for all of these motions."""
+"""Largest number of motions that are corrected at once, and largest memory of the derivatives of their tractions, or
+of motions and tractions if only means are corrected. The maps of all modes, which take longer to read than to multiply,
+are then read once for all of these motions."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,9 @@ def corrected_means(
     than the harmonics, and one correction costs a tenth of that of a motion.
     """
     out = motions[:, 0].copy()
-    count = TOGETHER * len(balance.orders)
+    contact = balance.contact
+    of_one = 8 * contact.sampling.samples * 9 * contact.n  # motion, traction and slip during a period
+    count = max(1, min(TOGETHER * len(balance.orders), int(BYTES / max(of_one, 1))))
     for first in range(0, len(motions), count):
         part = slice(first, first + count)
         at = _Motions(balance, motions[part], frequencies[part], mean=True)
@@ -288,7 +291,7 @@ class _Motions:
         return [np.sqrt(np.maximum(values, 0.0) + square)[:, :, None] for values in self.every.eigenvalues]
 
     def residual(self, damping: FloatArray | None) -> list[FloatArray]:
-        """Residual of the harmonic balance in all modes; for ``damping`` see `corrections`."""
+        """Residual of the harmonic balance in all modes; for ``damping`` see `modal_corrections`."""
         balance, every, c = self.balance, self.repeated, self.balance.model.condensation
         weights, size = balance.contact.laws.area[every.points][:, None, None], len(self.orders)
         tractions = np.concatenate([state.coefficients[every.dofs, :size] for state in self.states], axis=2)
