@@ -329,7 +329,7 @@ class _Tangents:
         self.at, self.derivatives = at, list[tuple[np.ndarray, FloatArray, IntArray]]()
         for state in at.states:
             points, blocks, _ = contact.point_blocks(state, threshold=0.0, precision=np.float32, mean=at.mean)
-            blocks = blocks.reshape(len(points), 3 * blocks.shape[2], -1)
+            blocks = blocks.reshape(len(points), 3 * blocks.shape[2], 3 * blocks.shape[2])
             self.derivatives.append((blocks, contact.laws.area[points].astype(np.float32), place[points]))
         largest = float((at.balance.orders.max() * at.frequencies.max()) ** 2)
         maps, values = contact.every_mode.with_residual_modes(largest)
@@ -342,9 +342,9 @@ class _Tangents:
 
     def _tractions(self, numbers: Sequence[int], jumps: Sequence[np.ndarray]) -> np.ndarray:
         """(n, 3, R ...) forces W D z of the motions of the given numbers, in single precision."""
-        forces = np.empty((len(numbers), len(jumps[0]), jumps[0][0].size), np.float32)
+        forces = np.empty((len(numbers), len(jumps[0]), 3 * jumps[0].shape[2]), np.float32)
         for force, number, z in zip(forces, numbers, jumps, strict=True):
-            apply_blocks(*self.derivatives[number], z.reshape(len(z), -1), force)
+            apply_blocks(*self.derivatives[number], z.reshape(len(z), 3 * z.shape[2]), force)
         return np.concatenate([force.reshape(jumps[0].shape) for force in forces], axis=2)
 
     def forces(self, jumps: Sequence[FloatArray]) -> list[FloatArray]:
