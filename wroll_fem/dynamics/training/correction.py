@@ -133,7 +133,7 @@ def corrected_means(
     """(p, r) mean displacements of motions (p, R, r) after a correction of the mean alone; see `modal_corrections`.
 
     The mean displacement is static, and the history of slip determines it: it changes along a curve in smaller steps
-    than the harmonics, and one correction costs a tenth of that of a motion.
+    than the harmonics, and one correction costs a third of that of a motion.
     """
     out = motions[:, 0].copy()
     contact = balance.contact
