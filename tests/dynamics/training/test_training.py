@@ -99,6 +99,28 @@ def test_a_curve_of_which_some_points_were_recomputed_ends_as_one_of_solutions(
             assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(trained.curve.balance.load())
 
 
+@pytest.mark.parametrize("slow", [0.0, np.inf])
+def test_more_points_enrich_the_basis_where_errors_fall_slowly(slow: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the few points of fast ones, HabEx with E = 1 GPa at 2 MPa stayed above 0.9 %, and had no curve."""
+    system, preload, condensation = small_roll(12, 4)
+    corrected: list[int] = []
+    check = enrichment._ResponseTask.check
+
+    def counted(self, points, *rest):  # type: ignore[no-untyped-def]
+        corrected.append(len(points.frequencies))
+        return check(self, points, *rest)
+
+    monkeypatch.setattr(enrichment._ResponseTask, "check", counted)
+    monkeypatch.setattr(training, "COARSE", 1.0)
+    monkeypatch.setattr(course, "MOVABLE", 1e9)
+    monkeypatch.setattr(course, "SLOW", slow)
+    asked = {"amplitude": 5.0, "frequencies": (140.0, 165.0), "tolerance": 1e-9, "max_rounds": 3}
+    found = trained_response(condensation, preload, system.laws, **asked)
+    assert len(found.curve.frequencies) > training.MOST_TRAINED
+    assert (max(corrected) > enrichment.RESPONSE_TRAINED) == (slow == 0.0)
+    assert max(corrected) <= training.MOST_TRAINED
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-9])
 def test_a_curve_that_loses_a_point_when_it_is_completed_is_computed_anew(
     tolerance: float, monkeypatch: pytest.MonkeyPatch

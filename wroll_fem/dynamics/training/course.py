@@ -14,7 +14,15 @@ from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction
 from wroll_fem.dynamics.training.full_motions import LINEAR
 from wroll_fem.dynamics.training.growth import enriched, joined, loosened, watched
 from wroll_fem.dynamics.training.structure import Structure
-from wroll_fem.dynamics.training.training import COARSE, TRAINING_HARMONICS, Curve, Task, Trained, Training
+from wroll_fem.dynamics.training.training import (
+    COARSE,
+    MOST_TRAINED,
+    TRAINING_HARMONICS,
+    Curve,
+    Task,
+    Trained,
+    Training,
+)
 from wroll_fem.dynamics.training.training_state import TrainingState, arrays_of
 from wroll_fem.errors import ConvergenceError
 
@@ -33,6 +41,10 @@ this limit applies. Corrections from linearised equations do not converge if the
 LARGEST_BASIS = 250
 """Number of basis vectors above which the training ends: a curve would take minutes. If the last curve is `acceptable`
 and not coarse, it is the result."""
+
+SLOW = 0.5
+"""Error of a curve, relative to that of the one before, above which up to `MOST_TRAINED` evenly spaced points of it
+serve the next basis."""
 
 CUT_ROUNDS, CUT_ERROR = 3, 100.0
 """From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
@@ -284,7 +296,8 @@ class _Course(Generic[Curve]):
         movable = not checked.coarse and complete and checked.curve.beyond == 0 and close
         used = set(found)
         if movable or (checked.coarse and checked.error < LINEAR):
-            used |= _spread(count, training.most)
+            slow = checked.error > SLOW * self._previous
+            used |= _spread(count, MOST_TRAINED if slow else training.most)
         rest = sorted(used - set(found))
         if rest:
             found |= dict(zip(rest, task.check(checked.richer.take(rest), training.rough), strict=True))

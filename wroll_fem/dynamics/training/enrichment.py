@@ -35,7 +35,7 @@ FEWEST_POINTS = 5
 
 RESPONSE_TRAINED = 10
 """Largest number of evenly spaced points of a response curve whose motions, in addition to those of the checked points,
-serve the basis. They are motions of the full model, and the means between them are corrected too."""
+serve the basis. The second basis has motions of the full model there, and the means between them are corrected too."""
 
 BACKBONE_POINTS = 15
 """Number of points of a backbone at which the full model is evaluated to check the basis."""

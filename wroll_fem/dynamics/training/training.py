@@ -36,7 +36,8 @@ FIRST_HARMONICS, TRAINING_HARMONICS = 3, 5
 """Limits of the number of harmonics: in the first curve, and in the motions of which the next basis is built."""
 
 MOST_TRAINED = 25
-"""Largest number of evenly spaced points of a curve, used in addition to the checked points to enrich the basis."""
+"""Largest number of evenly spaced points of a curve, used in addition to the checked points to enrich the basis.
+Response curves need fewer (`Training.most`) as long as their errors fall fast."""
 
 
 class Task(Protocol[Curve]):
@@ -125,7 +126,7 @@ class Training:
     snapshots : function that returns motions (r, k) in time, in modal coordinates, for the basis of a roll whose
         interfaces open widely; None if there is none
     rough : relative residual of corrections that only enrich the basis
-    most : largest number of evenly spaced points whose corrections do so, see `MOST_TRAINED`
+    most : largest number of evenly spaced points whose corrections do so; `MOST_TRAINED` where errors fall slowly
     most_vectors : number of basis vectors above which no further curve is computed
     """
 
