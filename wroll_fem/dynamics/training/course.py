@@ -23,7 +23,7 @@ from wroll_fem.dynamics.training.training import (
     Trained,
     Training,
 )
-from wroll_fem.dynamics.training.training_state import TrainingState, arrays_of
+from wroll_fem.dynamics.training.training_state import KeptCurve, TrainingState, arrays_of
 from wroll_fem.errors import ConvergenceError
 
 MOVABLE = 20.0
@@ -96,6 +96,11 @@ class _Checked(Generic[Curve]):
         return max(one.energy for one in self.held)
 
     @property
+    def tip_error(self) -> float:
+        """Largest relative change of the tip displacement by corrections that count."""
+        return max(one.tip for one in self.held)
+
+    @property
     def unsure(self) -> bool:
         """Whether an insufficient basis may have ended this backbone."""
         return self.beyond > UNSURE and self.number < SURE_ROUNDS
@@ -119,7 +124,7 @@ class _Checked(Generic[Curve]):
 
     def accepted(self) -> Trained[Curve]:
         """The curve, without what is beyond its end, as the result of the training."""
-        return Trained(self.curve.without_beyond(), self.error, max(one.tip for one in self.held), self.number)
+        return Trained(self.curve.without_beyond(), self.error, self.tip_error, self.number)
 
 
 def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trained[Curve]:
@@ -128,7 +133,8 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
     Raises
     ------
     ConvergenceError
-        If the curve ends in every basis, or no basis reaches the tolerance; ``partial`` holds the last curve.
+        If the curve ends in every basis, or no basis reaches the tolerance and no curve is `acceptable`; ``partial``
+        holds the last curve.
     """
     course = _Course(structure, training, task)
     for number in range(course.first, training.max_rounds + 1):
@@ -149,13 +155,16 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
                 return checked.accepted()
         if number == training.max_rounds:
             break
-        course.enrich(checked)
         kept = checked.acceptable and not checked.coarse
+        if kept and not checked.unsure:
+            course.keep(checked)
+        course.enrich(checked)
         if course.size > training.most_vectors or (course.size > LARGEST_BASIS and kept):
             break
     checked = course.whole(checked, anew=checked.error <= DOUBTFUL)
-    if checked.acceptable:
-        return checked.accepted()
+    best = course.best(checked)
+    if best is not None:
+        return best
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
@@ -184,7 +193,7 @@ class _Course(Generic[Curve]):
         self._model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
         self._factor, self._stuck, self._used, self._watched = state.factor, state.stuck, set(state.used), state.watched
         self._moved: Curve | None = None if state.curve is None else task.restored(self._model, state.curve)
-        self._checks = state.checks
+        self._checks, self._kept = state.checks, state.kept
         self._stopped_before: Curve | None = None
         self._error, self._previous = state.error, np.inf
         self._training, self.tolerance = loosened(training) if state.watched else (training, training.tolerance)
@@ -237,7 +246,7 @@ class _Course(Generic[Curve]):
         part = self._task.shortened(checked.curve, checked.points, good)
         if part is None or checked.coarse:
             return None
-        if checked.partial and (part := self._solved(part)) is None:
+        if checked.partial and (part := self._solved(part, self._model)) is None:
             return None
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
@@ -252,17 +261,38 @@ class _Course(Generic[Curve]):
         """
         if not checked.partial:
             return checked
-        curve = self._solved(checked.curve)
+        curve = self._solved(checked.curve, self._model)
         if curve is not None:
             return replace(checked, curve=curve, partial=False)
         return self.next_curve(checked.number) if anew else checked
 
-    def _solved(self, curve: Curve) -> Curve | None:
-        found = self._task.again(curve, self._model)
+    def _solved(self, curve: Curve, model: ReducedModel) -> Curve | None:
+        found = self._task.again(curve, model)
         if len(found.frequencies) == len(curve.frequencies):
             return found
         self._moved, self._checks, self._used = None, None, set()
         return None
+
+    def keep(self, checked: _Checked[Curve]) -> None:
+        """Keep an accurate curve, unless an earlier one is better: errors need not fall from one basis to the next."""
+        if self._kept is None or checked.error < self._kept.energy_error:
+            model = checked.curve.balance.model
+            self._kept = KeptCurve(
+                model.vectors, model.eigenvalues, arrays_of(checked.curve), checked.error, checked.tip_error,
+                checked.partial,
+            )  # fmt: skip
+
+    def best(self, last: _Checked[Curve]) -> Trained[Curve] | None:
+        """The best of the accurate curves, from the kept one and the last one; None if there is none."""
+        kept = self._kept
+        if kept is not None and (not last.acceptable or last.error > kept.energy_error):
+            model = ReducedModel.on(self._structure.condensation, kept.vectors, kept.eigenvalues)
+            curve: Curve | None = self._task.restored(model, kept.curve)
+            if kept.partial and curve is not None:
+                curve = self._solved(curve, model)
+            if curve is not None:
+                return Trained(curve.without_beyond(), kept.energy_error, kept.tip_error, last.number)
+        return last.accepted() if last.acceptable else None
 
     @property
     def size(self) -> int:
@@ -333,7 +363,7 @@ class _Course(Generic[Curve]):
         curve = None if self._moved is None else arrays_of(self._moved)
         return TrainingState(
             number, self._model.vectors, self._model.eigenvalues, self._factor, self._stuck, self._error,
-            tuple(sorted(self._used)), self._checks, curve, self._watched,
+            tuple(sorted(self._used)), self._checks, curve, self._watched, self._kept,
         )  # fmt: skip
 
     def _hopeless(self, checked: _Checked[Curve]) -> bool:

@@ -147,4 +147,4 @@ class Training:
             return state
         model = structure.with_harmonics(TRAINING_HARMONICS).first_model()
         factor = 1.0 if len(modes) <= SMALL else COARSE
-        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None, None, False)
+        return TrainingState(1, model.vectors, model.eigenvalues, factor, False, np.inf, (), None, None, False, None)

@@ -19,6 +19,51 @@ _OF_CURVE = ("frequencies", "coefficients", "tangents", "iterations")
 
 
 @dataclass(frozen=True)
+class KeptCurve:
+    """Accurate curve of a training: its result if no later curve is better.
+
+    Attributes
+    ----------
+    vectors, eigenvalues : basis (r, m) of its reduced model and its eigenvalues (m,), rad^2/s^2
+    curve : its arrays
+    energy_error, tip_error : see `Trained`
+    partial : whether only the checked points and those used for the basis are solutions
+    """
+
+    vectors: FloatArray
+    eigenvalues: FloatArray
+    curve: dict[str, np.ndarray]
+    energy_error: float
+    tip_error: float
+    partial: bool
+
+    @property
+    def arrays(self) -> dict[str, np.ndarray]:
+        """All of it for a checkpoint; `of_arrays` is the inverse."""
+        errors = np.array([self.energy_error, self.tip_error, self.partial], float)
+        basis = {"vectors": self.vectors, "eigenvalues": self.eigenvalues, "errors": errors}
+        return basis | _under("curve_", self.curve)
+
+    @classmethod
+    def of_arrays(cls, found: dict[str, np.ndarray]) -> KeptCurve | None:
+        """Curve from its `arrays`; None if there are none."""
+        if not found:
+            return None
+        energy, tip, partial = found["errors"].tolist()
+        return cls(found["vectors"], found["eigenvalues"], _with_prefix(found, "curve_"), energy, tip, bool(partial))
+
+
+def _with_prefix(arrays: dict[str, np.ndarray], prefix: str) -> dict[str, np.ndarray]:
+    """Arrays whose names begin with ``prefix``, by the rest of their names."""
+    return {name.removeprefix(prefix): value for name, value in arrays.items() if name.startswith(prefix)}
+
+
+def _under(prefix: str, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Arrays with a prefix before their names; `_with_prefix` is the inverse."""
+    return {f"{prefix}{name}": value for name, value in arrays.items()}
+
+
+@dataclass(frozen=True)
 class TrainingState:
     """State of a training before a curve.
 
@@ -33,6 +78,7 @@ class TrainingState:
     checks : points of this curve to be checked, if only they and those in the basis are recomputed; None if all are
     curve : arrays of the curve if its points are moved to the basis already; None if it has to be computed
     watched : whether the basis contains shapes of motions in time
+    kept : the best of the accurate curves so far; None if there is none
     """
 
     number: int
@@ -45,6 +91,7 @@ class TrainingState:
     checks: tuple[int, ...] | None
     curve: dict[str, np.ndarray] | None
     watched: bool
+    kept: KeptCurve | None
 
 
 @dataclass
@@ -82,11 +129,11 @@ class TrainingFile:
         found = read_checkpoint(self.path)
         try:
             same = np.array_equal(found["structure"], structure)
-            curve = {name.removeprefix("curve_"): value for name, value in found.items() if name.startswith("curve_")}
             state = TrainingState(
                 int(found["number"]), found["vectors"], found["eigenvalues"], float(found["factor"]),
                 bool(found["stuck"]), float(found["error"]), tuple(found["used"].tolist()),
-                tuple(found["checks"].tolist()) or None, curve or None, bool(found["watched"]),
+                tuple(found["checks"].tolist()) or None, _with_prefix(found, "curve_") or None, bool(found["watched"]),
+                KeptCurve.of_arrays(_with_prefix(found, "kept_")),
             )  # fmt: skip
         except (ValueError, KeyError):  # arrays of another analysis
             raise refused(self.path, "the checkpoint belongs to another run or version") from None
@@ -105,14 +152,14 @@ class TrainingFile:
         if self._latest is None:
             return
         structure, state = self._latest
-        curve = {f"curve_{name}": value for name, value in (state.curve or {}).items()}
+        curve, kept = state.curve or {}, state.kept.arrays if state.kept else {}
         arrays: dict[str, Any] = {
             "structure": structure, "number": state.number, "vectors": state.vectors, "factor": state.factor,
             "eigenvalues": state.eigenvalues, "stuck": state.stuck, "error": state.error,
             "used": np.array(state.used, np.int64), "checks": np.array(state.checks or (), np.int64),
             "watched": state.watched,
         }  # fmt: skip
-        write_checkpoint(self.path, arrays | curve)
+        write_checkpoint(self.path, arrays | _under("curve_", curve) | _under("kept_", kept))
         self._written = time.monotonic()
 
 
