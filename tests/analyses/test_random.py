@@ -280,6 +280,7 @@ def test_bad_input_is_one_line(override: str, words: str) -> None:
     with pytest.raises(InputError, match=re.escape(words)) as caught:
         roll(override)
     assert "\n" not in str(caught.value)
+    assert str(caught.value).count(", got ") <= 1
 
 
 def test_a_record_too_short_for_the_resonance_is_invalid_or_doubtful() -> None:

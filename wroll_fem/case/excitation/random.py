@@ -43,7 +43,7 @@ class Psd(Section):
         problem = table_problem(self.frequency, self.g2_per_hz)
         if problem is not None:
             key, text, remedy = problem
-            raise validation_error(text, key=key, value=getattr(self, key), remedy=remedy)
+            raise validation_error(text, key=key, show_value=False, remedy=remedy)  # the text names what is wrong
         return self
 
     @property
