@@ -160,7 +160,7 @@ def working_arrays(m, laws, reference):
 @numba.njit(cache=True)
 def place(x, interface, reference, g):
     """Fill ``g`` (3 n,), m, with the relative displacement at the reduced displacement ``x`` (m,)."""
-    g[:] = np.dot(interface.jump, x)
+    np.dot(interface.jump, x, g)
     g += reference.jump
 
 
@@ -180,7 +180,7 @@ def _residual(x, q_hat, modal, interface, reference, contact, laws, step, trial,
         weighted[hoop(k)] = laws.area[k] * s[hoop(k)]
         weighted[axial(k)] = laws.area[k] * s[axial(k)]
         weighted[normal(k, n)] = laws.area[k] * s[normal(k, n)]
-    force[:] = np.dot(interface.jump.T, weighted)  # one matrix for both products stays in the cache of the processor
+    np.dot(interface.jump.T, weighted, force)  # one matrix for both products stays in the cache of the processor
     weight, change = interface.weight, answer(modal, force, 1.0 + step.alpha)
     size = 0.0
     for i in range(x.shape[0]):
