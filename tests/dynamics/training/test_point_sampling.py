@@ -122,6 +122,36 @@ def test_points_that_fail_with_the_matrix_of_a_subset_take_that_of_all() -> None
     assert largest[0] <= 1.01 * largest[1] < 1e-4 * np.linalg.norm(found.balance.load())
 
 
+def test_points_of_the_readings_take_newtons_matrix_of_the_subset(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are solutions with all points; where Newton's method fails with this matrix, that of all points is taken."""
+    structure, _, whole, motions = roll()
+    sample = sampled(whole, motions)
+    plain = response_curve(whole, **SHAKEN)
+    expected = with_reading_points(plain, StepControl())
+    built: list[HarmonicContact] = []
+    jacobian = FrequencyCurve.jacobian
+    monkeypatch.setattr(
+        FrequencyCurve, "jacobian", lambda self, z: built.append(self.balance.contact) or jacobian(self, z)
+    )
+    found = with_reading_points(plain, StepControl(), structure.contact(whole.model, tangent=sample))
+    assert built
+    assert whole not in built
+    assert len(found.frequencies) == len(expected.frequencies) > len(plain.frequencies)
+    new = np.flatnonzero(~np.isin(expected.frequencies, plain.frequencies))
+    assert len(new) == 5
+    peak, beside = new[2], np.isin(np.arange(len(expected.frequencies)), new[[1, 3]])  # points on the flat top
+    np.testing.assert_allclose(found.frequencies[~beside], expected.frequencies[~beside], rtol=1e-8)
+    np.testing.assert_allclose(found.frequencies[beside], expected.frequencies[beside], rtol=1e-4)
+    np.testing.assert_allclose(found.transmissibility[peak], expected.transmissibility[peak], rtol=1e-7)
+    solved = zip(found.coefficients, found.frequencies, strict=True)
+    left = np.array([np.linalg.norm(found.balance.residual(q, w)[0]) for q, w in solved])
+    others = np.delete(left, new)
+    assert left[new].max() < others.max() < 1e-4 * np.linalg.norm(found.balance.load())
+    poor = structure.contact(whole.model, tangent=PointSample(np.arange(whole.n), np.full(whole.n, -1.0)))
+    again = with_reading_points(plain, StepControl(), poor)
+    np.testing.assert_array_equal(again.frequencies, expected.frequencies)
+
+
 def test_a_curve_is_completed_with_the_factors_of_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Motions as with new factors at every point; hardly any matrix is factorised."""
     structure, _, whole, motions = roll()

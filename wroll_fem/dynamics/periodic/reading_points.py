@@ -8,6 +8,7 @@ from math import sqrt
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.numerics.continuation import CurvePoint, StepControl, point_near
 from wroll_fem.typing import FloatArray
@@ -24,7 +25,9 @@ ASTRAY = 0.2
 lies another motion."""
 
 
-def with_reading_points(curve: HarmonicCurve, control: StepControl) -> HarmonicCurve:
+def with_reading_points(
+    curve: HarmonicCurve, control: StepControl, quick: HarmonicContact | None = None
+) -> HarmonicCurve:
     """Curve with up to seven more points: at the peak, beside it, and at both half-power points.
 
     Between two points the curve is interpolated by the cubic with the tangents of both. The places are found on this
@@ -32,10 +35,12 @@ def with_reading_points(curve: HarmonicCurve, control: StepControl) -> HarmonicC
     convergence is left out. Half-power points and peak of the curve then are accurate to the tolerance of the equations
     instead of the length of the steps. The frequency of a flat top also depends on the ripples that the finite number
     of samples per period leaves on the curve (docs/limits.md).
+
+    ``quick`` is the same contact with an approximate Newton's matrix, which is tried first.
     """
     if curve.gap is not None or len(curve.frequencies) < 3:
         return curve
-    places = _Places(curve)
+    places = _Places(curve, quick)
     for share in (0.0, PEAK_SPACING):
         peak = places.peak()
         if peak is None:
@@ -53,8 +58,9 @@ def with_reading_points(curve: HarmonicCurve, control: StepControl) -> HarmonicC
 class _Places:
     """Points of a curve and the cubics between them; a place is the length of the chords up to it."""
 
-    def __init__(self, curve: HarmonicCurve):
+    def __init__(self, curve: HarmonicCurve, quick: HarmonicContact | None):
         self.curve, self.problem = curve, curve.problem
+        self.problems = [self.problem] if quick is None else [curve.problem_of(quick), self.problem]
         motions = zip(curve.coefficients, curve.frequencies, strict=True)
         self.points = [
             CurvePoint(self.problem.scaled(q, w), tangent, int(count), bool(stable) or tangent[-1] <= 0.0)
@@ -110,7 +116,9 @@ class _Places:
         if not 0 < k < len(self.ends) or min(place - self.ends[k - 1], self.ends[k] - place) < apart:
             return
         guess, along = self.interpolated(place)
-        point = point_near(self.problem, guess, along, control, regular=self.points[k - 1].regular)
+        regular, point = self.points[k - 1].regular, None
+        for problem in self.problems:
+            point = point or point_near(problem, guess, along, control, regular=regular)
         if point is None or np.linalg.norm(point.z - guess) > ASTRAY * (self.ends[k] - self.ends[k - 1]):
             return
         self.points.insert(k, point)

@@ -97,6 +97,10 @@ class HarmonicCurve:
         """The curve itself; see `BackboneCurve`."""
         return self
 
+    def problem_of(self, contact: HarmonicContact) -> FrequencyCurve:
+        """Equations of the curve with another ``contact``, in the scale of its own."""
+        return FrequencyCurve(HarmonicBalance(contact, self.balance.acceleration), self.problem.band, self.problem.size)
+
     def with_gap(self, low: float, high: float) -> HarmonicCurve | None:
         """Curve without the points between ``low`` and ``high``, rad/s; None if the response there is too small.
 
@@ -120,10 +124,8 @@ class HarmonicCurve:
         factors of the points are used first.
         """
         shift = self.balance.model.vectors.T @ contact.model.vectors
-        band, size, acceleration, factor = self.problem.band, self.problem.size, self.balance.acceleration, None
-        contacts = [contact] if exact is None else [contact, exact]
-        problems = [FrequencyCurve(HarmonicBalance(one, acceleration), band, size) for one in contacts]
-        problem = problems[-1]
+        problems = [self.problem_of(one) for one in (contact, exact) if one is not None]
+        problem, factor = problems[-1], None
         found, before = list[CurvePoint](), list[FloatArray]()
         for k, (q, w) in enumerate(zip(self.coefficients, self.frequencies, strict=True)):
             along = (self.direction(k) @ shift * problem.root).ravel()[problem.active]

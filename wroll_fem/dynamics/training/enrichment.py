@@ -14,7 +14,6 @@ from wroll_fem.dynamics.periodic.backbone import BACKBONE_STEPS, BackboneCurve, 
 from wroll_fem.dynamics.periodic.causes import end_of_backbone
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.point_sample import Motions
-from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
 from wroll_fem.dynamics.reduction.condensation import Condensation
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -247,7 +246,7 @@ def trained_response(
         Training(tolerance, max_rounds, on_round, file, snapshots, most=RESPONSE_TRAINED, most_vectors=most_vectors)
     )
     found = trained(structure, training, task)
-    return replace(found, curve=with_reading_points(found.curve, steps), sample=subsets.error)
+    return replace(found, curve=subsets.with_reading_points(found.curve, structure, steps), sample=subsets.error)
 
 
 def trained_backbone(

@@ -15,6 +15,7 @@ from typing import TypeVar
 from wroll_fem.dynamics.aft.harmonic_contact import HarmonicContact
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.point_sample import Motions, SampleError, sample_error, sampled
+from wroll_fem.dynamics.periodic.reading_points import with_reading_points
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
 from wroll_fem.dynamics.reduction.evaluated_points import PointSample
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
@@ -59,12 +60,14 @@ class PointSampling:
     ----------
     error : errors of the subset on the last curve; None if this curve was followed with all points
     motions : motions for which the next subset is chosen; None before the first corrections
+    used : the last subset from which Newton's matrix came; None before it
     """
 
     def __init__(self, *, wanted: bool):
         self.wanted = wanted
         self.error: SampleError | None = None
         self.motions: Motions | None = None
+        self.used: PointSample | None = None
         self._renew = True
         self._latest: PointSample | None = None
 
@@ -93,6 +96,7 @@ class PointSampling:
         if self.wanted and self.motions is not None and whole.n >= FEWEST:
             if self._latest is None:
                 self._latest = sampled(whole, self.motions)
+            self.used = self._latest
             return points.moved_to(level.contact(model, tangent=self._latest), control, starts, only, exact=whole)
         return points.moved_to(whole, control, starts, only)
 
@@ -126,6 +130,7 @@ class PointSampling:
             return follow(whole, factor)
         if factor > 1.0:
             return part.extended(whole)
+        self.used = sample
         loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations, renewal=RENEWAL)
         done = part.moved_to(level.contact(model, tangent=sample), loose, part.coefficients, exact=whole)
         if len(done.frequencies) < len(part.frequencies):
@@ -135,6 +140,11 @@ class PointSampling:
             whole, sample, part.coefficients[at], part.frequencies[at], done.coefficients[at], done.frequencies[at]
         )
         return done
+
+    def with_reading_points(self, curve: HarmonicCurve, level: Structure, control: StepControl) -> HarmonicCurve:
+        """Curve with points for its readings (`with_reading_points`), by Newton's matrix of the last subset."""
+        quick = None if self.used is None else level.contact(curve.balance.model, tangent=self.used)
+        return with_reading_points(curve, control, quick)
 
     def _before(
         self, level: Structure, whole: HarmonicContact, follow: Callable[[HarmonicContact, float], Curve], *,
