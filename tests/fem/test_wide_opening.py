@@ -11,7 +11,7 @@ from wroll_fem.case import Case
 from wroll_fem.dynamics.periodic import causes
 from wroll_fem.dynamics.reduction import snapshots
 from wroll_fem.dynamics.reduction.snapshots import WholeSlip
-from wroll_fem.dynamics.training import course
+from wroll_fem.dynamics.training import checked_curve, course
 from wroll_fem.errors import ConvergenceError
 from wroll_fem.progress import SilentProgress
 
@@ -23,7 +23,7 @@ def test_a_curve_of_accepted_accuracy_is_kept(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(harmonic, "snapshots_of_chirp", lambda *words, **options: pytest.fail("a new training"))
     coarse = {"circumferential": 8, "axial": 4, "radial": 1, "grading": 4}
     found = run_analysis(roll(harmonic={"reduction_tolerance": 1e-9}, mesh=coarse), progress=SilentProgress())
-    assert 1e-9 < found.attrs["reduction_error_estimate"] < course.DOUBTFUL
+    assert 1e-9 < found.attrs["reduction_error_estimate"] < checked_curve.DOUBTFUL
 
 
 @pytest.mark.filterwarnings("ignore::wroll_fem.api.CaseWarning")

@@ -101,7 +101,7 @@ def validation_error(
     Parameters
     ----------
     problem
-        What is wrong, without the value.
+        What is wrong; without the value, unless ``show_value`` is False.
     remedy
         What to do.
     key
@@ -109,7 +109,7 @@ def validation_error(
     value
         The offending value, shown as "got VALUE".
     show_value
-        False when there is no value to show (a missing section).
+        False when there is no value to show (a missing section), or ``problem`` contains it.
     """
     context = {"problem": problem, "remedy": remedy, "key": key, "value": value, "show_value": show_value}
     return PydanticCustomError("wroll", "{problem}; {remedy}", context)

@@ -11,7 +11,7 @@ from support.periodic import small_roll
 
 from wroll_fem.dynamics.periodic.backbone import BackboneCurve
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
-from wroll_fem.dynamics.training import course, enrichment, training
+from wroll_fem.dynamics.training import checked_curve, course, enrichment, training
 from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.dynamics.training.training_state import TrainingFile
@@ -80,6 +80,75 @@ def test_the_best_backbone_is_the_result(monkeypatch: pytest.MonkeyPatch) -> Non
     assert found.curve.beyond == 0
 
 
+def test_a_backbone_that_ends_early_is_kept_without_what_lies_beyond_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Motions beyond the end train a basis only; amplitudes there may fall again."""
+    with_errors(monkeypatch, (0.004, 0.02))
+    solve = enrichment._BackboneTask.solve
+    solved: list[BackboneCurve] = []
+
+    def ended(self, model, factor):  # type: ignore[no-untyped-def]
+        curve = solve(self, model, factor)
+        solved.append(dataclasses.replace(curve, cut="it slides", beyond=3))
+        return solved[-1]
+
+    monkeypatch.setattr(enrichment._BackboneTask, "solve", ended)
+    monkeypatch.setattr(checked_curve, "UNSURE", np.inf)
+    system, preload, condensation = small_roll(12, 4)
+    reach = {"tip_amplitudes": (1e-6, 3e-5), "tolerance": 1e-9, "max_rounds": 2}
+    found = trained_backbone(condensation, preload, system.laws, **reach)  # type: ignore[arg-type]
+    assert found.energy_error == pytest.approx(0.004)
+    assert (found.curve.cut, found.curve.beyond) == ("it slides", 0)
+    np.testing.assert_array_equal(found.curve.frequencies, solved[0].frequencies[:-3])
+
+
+@pytest.mark.parametrize("gap", [False, True])
+def test_a_complete_curve_is_better_than_one_with_a_gap(gap: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = with_errors(monkeypatch, (0.05, 0.004, 0.006, 0.02))
+    next_curve = course._Course.next_curve
+
+    def with_gap(self, number):  # type: ignore[no-untyped-def]
+        found = next_curve(self, number)
+        curve = dataclasses.replace(found.curve, gap=(900.0, 910.0) if gap and number == 2 else None)
+        return dataclasses.replace(found, curve=curve)
+
+    monkeypatch.setattr(course._Course, "next_curve", with_gap)
+    found = response((0.05, 0.004, 0.006, 0.02))
+    assert found.curve.gap is None
+    assert found.curve.balance.model.size == sizes[2 if gap else 1]
+
+
+@pytest.mark.parametrize("everywhere", [False, True])
+def test_a_training_that_fails_after_an_accurate_curve_returns_it(
+    everywhere: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Unless its curve ends in every basis: the accurate one has missed why."""
+    errors = (0.05, 0.004, 0.006)
+    sizes = with_errors(monkeypatch, errors)
+    monkeypatch.setattr(course, "MOVABLE", 0.0)
+    monkeypatch.setattr(course, "ends_in_every_basis", lambda *_: everywhere)
+    solve, followed = enrichment._ResponseTask.solve, list[int]()
+
+    def ending(self, model, factor):  # type: ignore[no-untyped-def]
+        curve = solve(self, model, factor)
+        followed.append(model.size)
+        if len(followed) < 3:
+            return curve
+        stop = ConvergenceError("it ends", time_s=None, iterations=1, residual_history=[1.0], advice="none")
+        stop.partial = curve.take(list(range(len(curve.frequencies) // 2)))
+        raise stop
+
+    monkeypatch.setattr(enrichment._ResponseTask, "solve", ending)
+    if everywhere:
+        with pytest.raises(ConvergenceError, match="it ends"):
+            response(errors)
+        return
+    found = response(errors)
+    assert found.energy_error == pytest.approx(0.004)
+    assert found.curve.balance.model.size == sizes[1]
+    assert found.rounds == len(followed) == 3
+    assert_solved(found.curve)
+
+
 @pytest.mark.parametrize("last", [0.006, 0.02])
 def test_a_kept_curve_that_loses_a_point_is_no_result(last: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """The last curve takes its place if it is accurate enough."""
@@ -94,7 +163,7 @@ def test_a_kept_curve_that_loses_a_point_is_no_result(last: float, monkeypatch: 
         return found.take(list(range(1, len(found.frequencies)))) if lost else found
 
     monkeypatch.setattr(enrichment._ResponseTask, "again", losing)
-    if last > course.DOUBTFUL:
+    if last > checked_curve.DOUBTFUL:
         with pytest.raises(ConvergenceError, match=r"does not reach harmonic\.reduction_tolerance"):
             response(errors)
         return
@@ -107,7 +176,7 @@ def test_a_kept_curve_that_loses_a_point_is_no_result(last: float, monkeypatch: 
 def test_every_state_of_a_training_continues_to_the_best_curve(
     sparse: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also states after the best curve, which are all that is left of it."""
+    """Also from states after the best curve, which then exists only in the checkpoint."""
     errors, path = (0.05, 0.004, 0.006, 0.02), tmp_path / "state.npz"
     monkeypatch.setattr(course, "SPARSE", sparse)
     with_errors(monkeypatch, errors)

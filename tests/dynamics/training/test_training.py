@@ -19,7 +19,7 @@ from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.first_guesses import carried_along
 from wroll_fem.dynamics.periodic.harmonic_balance import HarmonicBalance
 from wroll_fem.dynamics.periodic.response import HarmonicCurve, response_curve
-from wroll_fem.dynamics.training import course, enrichment, training
+from wroll_fem.dynamics.training import checked_curve, course, enrichment, training
 from wroll_fem.dynamics.training.correction import correction
 from wroll_fem.dynamics.training.enrichment import trained_backbone, trained_response
 from wroll_fem.dynamics.training.growth import enriched
@@ -153,7 +153,7 @@ def test_a_curve_that_loses_a_point_when_it_is_completed_is_computed_anew(
     assert len(lost) == 1
     assert len(followed) == 2  # the first curve, and the one anew
     assert found.rounds == rounds
-    assert found.energy_error < (tolerance if tolerance == 1e-4 else course.DOUBTFUL)
+    assert found.energy_error < (tolerance if tolerance == 1e-4 else checked_curve.DOUBTFUL)
     for q, w in zip(found.curve.coefficients, found.curve.frequencies, strict=True):
         residual, _ = found.curve.balance.residual(q, w)
         assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(found.curve.balance.load())
@@ -176,7 +176,7 @@ def test_an_acceptable_curve_is_kept_when_the_basis_grows_too_large(monkeypatch:
     monkeypatch.setattr(course, "LARGEST_BASIS", largest)
     found = response()
     assert max(sizes) <= largest
-    assert 1e-12 < found.energy_error <= course.DOUBTFUL
+    assert 1e-12 < found.energy_error <= checked_curve.DOUBTFUL
 
 
 def test_points_between_solutions_are_shifted_like_them() -> None:

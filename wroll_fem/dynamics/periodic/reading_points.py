@@ -36,7 +36,8 @@ def with_reading_points(
     instead of the length of the steps. The frequency of a flat top also depends on the ripples that the finite number
     of samples per period leaves on the curve (docs/limits.md).
 
-    ``quick`` is the same contact with an approximate Newton's matrix, which is tried first.
+    ``quick`` is the same contact with an approximate Newton's matrix, which is tried first. The tangents are as
+    approximate.
     """
     if curve.gap is not None or len(curve.frequencies) < 3:
         return curve
@@ -116,10 +117,9 @@ class _Places:
         if not 0 < k < len(self.ends) or min(place - self.ends[k - 1], self.ends[k] - place) < apart:
             return
         guess, along = self.interpolated(place)
-        regular, point = self.points[k - 1].regular, None
         for problem in self.problems:
-            point = point or point_near(problem, guess, along, control, regular=regular)
-        if point is None or np.linalg.norm(point.z - guess) > ASTRAY * (self.ends[k] - self.ends[k - 1]):
-            return
-        self.points.insert(k, point)
-        self.ends.insert(k, place)
+            point = point_near(problem, guess, along, control, regular=self.points[k - 1].regular)
+            if point is not None and np.linalg.norm(point.z - guess) <= ASTRAY * (self.ends[k] - self.ends[k - 1]):
+                self.points.insert(k, point)
+                self.ends.insert(k, place)
+                return

@@ -156,12 +156,11 @@ class HarmonicCurve:
         more = contact.sampling.size - self.coefficients.shape[1]
         if more <= 0 and self.balance.contact.complete:
             return self
-        balance = HarmonicBalance(contact, self.balance.acceleration)
-        problem = FrequencyCurve(balance, self.problem.band, self.problem.size)
+        problem = self.problem_of(contact)
         changes = np.array([self.direction(k) for k in range(len(self.frequencies))])
         changes = (np.pad(changes, ((0, 0), (0, more), (0, 0))) * problem.root).reshape(len(changes), -1)
         return replace(
-            self, coefficients=np.pad(self.coefficients, ((0, 0), (0, more), (0, 0))), balance=balance,
+            self, coefficients=np.pad(self.coefficients, ((0, 0), (0, more), (0, 0))), balance=problem.balance,
             tangents=np.column_stack([changes[:, problem.active], self.tangents[:, -1]]), problem=problem, factors=(),
         )  # fmt: skip
 

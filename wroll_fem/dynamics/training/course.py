@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic
 
 import numpy as np
@@ -10,7 +10,8 @@ import numpy as np
 from wroll_fem.dynamics.periodic.causes import beyond_training, ends_in_every_basis, opens_widely
 from wroll_fem.dynamics.reduction.reduced_model import ReducedModel
 from wroll_fem.dynamics.training.basis import SMALL
-from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE, Correction
+from wroll_fem.dynamics.training.checked_curve import DOUBTFUL, CheckedCurve
+from wroll_fem.dynamics.training.correction import KRYLOV_TOLERANCE
 from wroll_fem.dynamics.training.full_motions import LINEAR
 from wroll_fem.dynamics.training.growth import enriched, joined, loosened, watched
 from wroll_fem.dynamics.training.structure import Structure
@@ -39,8 +40,8 @@ HOPELESS, HOPELESS_ROUNDS = 3.0, 3
 this limit applies. Corrections from linearised equations do not converge if they are this large."""
 
 LARGEST_BASIS = 250
-"""Number of basis vectors above which the training ends: a curve would take minutes. If the last curve is `acceptable`
-and not coarse, it is the result."""
+"""Number of basis vectors above which the training ends: a curve would take minutes. None is computed in such a basis
+if the one before is accurate."""
 
 SLOW = 0.5
 """Error of a curve, relative to that of the one before, above which up to `MOST_TRAINED` evenly spaced points of it
@@ -50,82 +51,6 @@ CUT_ROUNDS, CUT_ERROR = 3, 100.0
 """From curve number `CUT_ROUNDS` on, a curve is cut to its accurate part if its error exceeds `CUT_ERROR` times the
 tolerance."""
 
-UNSURE, SURE_ROUNDS = 0.1, 5
-"""Largest relative correction of the motions beyond the end of a backbone at which this end is accepted. If corrections
-are larger, an insufficient basis may have caused it. From curve number `SURE_ROUNDS` on, any end is accepted."""
-
-DOUBTFUL = 0.01
-"""Largest error of a curve that is returned above the tolerance, with a warning. Above it the training fails."""
-
-CLOSE = 0.1
-"""Largest error of a curve for which a larger tolerance is worth a trial."""
-
-
-@dataclass(frozen=True)
-class _Checked(Generic[Curve]):
-    """Curve in one basis, with the corrections at its checked points.
-
-    Attributes
-    ----------
-    number : number of the curve, from 1
-    curve : the curve, or what there is of it
-    stopped : error that ended the curve; None if it is complete
-    coarse : whether it was computed with longer steps
-    richer : the curve with as many harmonics as the motions of which the next basis is built
-    points : the checked points of ``richer``
-    found : index of a checked point -> its correction
-    held : corrections that count, without those of motions beyond the end of a backbone
-    beyond : largest correction of these motions
-    partial : whether only its checked points and those used for the basis are solutions in the present basis
-    """
-
-    number: int
-    curve: Curve
-    stopped: ConvergenceError | None
-    coarse: bool
-    richer: Curve
-    points: Curve
-    found: dict[int, Correction]
-    held: list[Correction]
-    beyond: float
-    partial: bool
-
-    @property
-    def error(self) -> float:
-        """Largest correction that counts, relative to the motion."""
-        return max(one.energy for one in self.held)
-
-    @property
-    def tip_error(self) -> float:
-        """Largest relative change of the tip displacement by corrections that count."""
-        return max(one.tip for one in self.held)
-
-    @property
-    def unsure(self) -> bool:
-        """Whether an insufficient basis may have ended this backbone."""
-        return self.beyond > UNSURE and self.number < SURE_ROUNDS
-
-    @property
-    def acceptable(self) -> bool:
-        """Whether the curve is complete and accurate enough to be returned, with a warning above the tolerance."""
-        return self.stopped is None and self.error <= DOUBTFUL
-
-    @property
-    def advice(self) -> str:
-        """What to try if no basis reaches the tolerance: a larger one, or the frequency where every basis fails."""
-        if self.error <= CLOSE:
-            return "use a larger harmonic.reduction_tolerance"
-        worst = next(k for k, correction in self.found.items() if correction.energy == self.error)
-        hertz = self.curve.frequencies[worst] / (2.0 * np.pi)
-        return (
-            f"at {hertz:.4g} Hz the basis vectors miss {100 * self.error:.0f} % of the motion: use a smaller "
-            "excitation (backbone.tip_largest for a backbone), leave this frequency out of the band, or compute a sweep"
-        )
-
-    def accepted(self) -> Trained[Curve]:
-        """The curve, without what is beyond its end, as the result of the training."""
-        return Trained(self.curve.without_beyond(), self.error, self.tip_error, self.number)
-
 
 def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trained[Curve]:
     """Response curve or backbone in a basis that is enriched until the corrections of its motions meet the tolerance.
@@ -133,10 +58,21 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
     Raises
     ------
     ConvergenceError
-        If the curve ends in every basis, or no basis reaches the tolerance and no curve is `acceptable`; ``partial``
-        holds the last curve.
+        If the curve ends in every basis, or no basis reaches the tolerance and no curve is accurate to `DOUBTFUL`;
+        ``partial`` holds the last curve.
     """
     course = _Course(structure, training, task)
+    try:
+        return _followed(course, training)
+    except ConvergenceError:
+        kept = course.kept()
+        if kept is None:
+            raise
+        return kept
+
+
+def _followed(course: _Course[Curve], training: Training) -> Trained[Curve]:
+    """Curves of a training until one is accurate enough, or until no further one is worth its time; see `trained`."""
     for number in range(course.first, training.max_rounds + 1):
         checked = course.next_curve(number)
         part = course.accurate_part(checked)
@@ -155,16 +91,18 @@ def trained(structure: Structure, training: Training, task: Task[Curve]) -> Trai
                 return checked.accepted()
         if number == training.max_rounds:
             break
-        kept = checked.acceptable and not checked.coarse
-        if kept and not checked.unsure:
+        accurate = checked.acceptable and not checked.coarse
+        if accurate and not checked.unsure:
             course.keep(checked)
         course.enrich(checked)
-        if course.size > training.most_vectors or (course.size > LARGEST_BASIS and kept):
+        if course.size > training.most_vectors or (course.size > LARGEST_BASIS and accurate):
             break
+    kept = course.kept(before=checked)
+    if kept is not None:
+        return kept
     checked = course.whole(checked, anew=checked.error <= DOUBTFUL)
-    best = course.best(checked)
-    if best is not None:
-        return best
+    if checked.acceptable:
+        return checked.accepted()
     failure = ConvergenceError(
         "the reduced model does not reach harmonic.reduction_tolerance",
         time_s=None,
@@ -193,13 +131,13 @@ class _Course(Generic[Curve]):
         self._model = ReducedModel.on(structure.condensation, state.vectors, state.eigenvalues)
         self._factor, self._stuck, self._used, self._watched = state.factor, state.stuck, set(state.used), state.watched
         self._moved: Curve | None = None if state.curve is None else task.restored(self._model, state.curve)
-        self._checks, self._kept = state.checks, state.kept
+        self._checks, self._kept, self._count = state.checks, state.kept, state.number - 1
         self._stopped_before: Curve | None = None
         self._error, self._previous = state.error, np.inf
         self._training, self.tolerance = loosened(training) if state.watched else (training, training.tolerance)
         self.first = state.number
 
-    def next_curve(self, number: int) -> _Checked[Curve]:
+    def next_curve(self, number: int) -> CheckedCurve[Curve]:
         """Compute the next curve, unless its points were moved to the present basis already, and check it.
 
         Raises
@@ -208,6 +146,7 @@ class _Course(Generic[Curve]):
             If fewer than three points can be computed, or the curve ends in every basis.
         """
         stopped: ConvergenceError | None = None
+        self._count = number
         try:
             curve = self._task.solve(self._model, self._factor) if self._moved is None else self._moved
         except ConvergenceError as stop:
@@ -225,17 +164,18 @@ class _Course(Generic[Curve]):
         found = dict(zip(picked, corrections, strict=True))
         held = [found[k] for k in picked if k < count - curve.beyond]
         beyond = max((found[k].energy for k in picked if k >= count - curve.beyond), default=0.0)
-        checked = _Checked(number, curve, stopped, coarse, richer, points, found, held, beyond, checks is not None)
+        checked = CheckedCurve(number, curve, stopped, coarse, richer, points, found, held, beyond, checks is not None)
         self._previous, self._error = self._error, checked.error
         if self._training.on_round is not None:
             self._training.on_round(number, self._model, checked.error)
         cut = stopped is not None and not coarse
         if stopped is not None and cut and ends_in_every_basis(curve, self._stopped_before, checked.error):
+            self._kept = None
             raise stopped
         self._stopped_before = curve if cut else None
         return checked
 
-    def accurate_part(self, checked: _Checked[Curve]) -> Trained[Curve] | None:
+    def accurate_part(self, checked: CheckedCurve[Curve]) -> Trained[Curve] | None:
         """Accurate part of a curve that becomes no better; None if it may, or if no such part exists."""
         number, error = checked.number, checked.error
         late = number >= CUT_ROUNDS and error > CUT_ERROR * self.tolerance
@@ -251,7 +191,7 @@ class _Course(Generic[Curve]):
         held = [one for one, kept in zip(checked.held, good, strict=True) if kept]
         return Trained(part, max(one.energy for one in held), max(one.tip for one in held), number)
 
-    def whole(self, checked: _Checked[Curve], *, anew: bool) -> _Checked[Curve]:
+    def whole(self, checked: CheckedCurve[Curve], *, anew: bool) -> CheckedCurve[Curve]:
         """The curve with all its points in the present basis; if one does not converge, a curve ``anew`` in this basis.
 
         Raises
@@ -273,38 +213,38 @@ class _Course(Generic[Curve]):
         self._moved, self._checks, self._used = None, None, set()
         return None
 
-    def keep(self, checked: _Checked[Curve]) -> None:
+    def keep(self, checked: CheckedCurve[Curve]) -> None:
         """Keep an accurate curve, unless an earlier one is better: errors need not fall from one basis to the next."""
-        if self._kept is None or checked.error < self._kept.energy_error:
-            model = checked.curve.balance.model
+        if self._kept is None or checked.rank < self._kept.rank:
+            model, curve = checked.curve.balance.model, checked.curve.without_beyond()
             self._kept = KeptCurve(
-                model.vectors, model.eigenvalues, arrays_of(checked.curve), checked.error, checked.tip_error,
-                checked.partial,
+                model.vectors, model.eigenvalues, arrays_of(curve), checked.error, checked.tip_error,
+                checked.incomplete, checked.partial,
             )  # fmt: skip
 
-    def best(self, last: _Checked[Curve]) -> Trained[Curve] | None:
-        """The best of the accurate curves, from the kept one and the last one; None if there is none."""
+    def kept(self, *, before: CheckedCurve[Curve] | None = None) -> Trained[Curve] | None:
+        """The kept curve with all its points, if it is better than the one ``before``; None without such a curve."""
         kept = self._kept
-        if kept is not None and (not last.acceptable or last.error > kept.energy_error):
-            model = ReducedModel.on(self._structure.condensation, kept.vectors, kept.eigenvalues)
-            curve: Curve | None = self._task.restored(model, kept.curve)
-            if kept.partial and curve is not None:
-                curve = self._solved(curve, model)
-            if curve is not None:
-                return Trained(curve.without_beyond(), kept.energy_error, kept.tip_error, last.number)
-        return last.accepted() if last.acceptable else None
+        if kept is None or (before is not None and before.rank <= kept.rank):
+            return None
+        self._kept = None
+        model = ReducedModel.on(self._structure.condensation, kept.vectors, kept.eigenvalues)
+        curve: Curve | None = self._task.restored(model, kept.curve)
+        if kept.partial and curve is not None:
+            curve = self._solved(curve, model)
+        return None if curve is None else Trained(curve, kept.energy_error, kept.tip_error, self._count)
 
     @property
     def size(self) -> int:
         """Number of basis vectors of the next curve."""
         return self._model.size
 
-    def ends(self, checked: _Checked[Curve]) -> bool:
+    def ends(self, checked: CheckedCurve[Curve]) -> bool:
         """Whether no further curve is worth its time."""
         beyond = beyond_training(checked.curve, checked.number, checked.error)
         return self._hopeless(checked) or self._stuck or beyond
 
-    def watches(self, checked: _Checked[Curve], ends: bool) -> bool:
+    def watches(self, checked: CheckedCurve[Curve], ends: bool) -> bool:
         """Begin anew with shapes of motions in time, if interfaces open widely and there are such motions."""
         lost = (ends and checked.error > DOUBTFUL) or opens_widely(checked.curve, checked.error)
         if self._training.snapshots is None or self._watched or not lost:
@@ -318,7 +258,7 @@ class _Course(Generic[Curve]):
         self._stopped_before, self._moved, self._checks, self._watched = None, None, None, True
         return True
 
-    def enrich(self, checked: _Checked[Curve]) -> None:
+    def enrich(self, checked: CheckedCurve[Curve]) -> None:
         """Enrich the basis by the corrections of the curve, and keep the state before the next curve."""
         structure, training, task, count = self._structure, self._training, self._task, len(checked.curve.frequencies)
         found, size, complete = dict(checked.found), self._model.size, checked.stopped is None
@@ -366,7 +306,7 @@ class _Course(Generic[Curve]):
             tuple(sorted(self._used)), self._checks, curve, self._watched, self._kept,
         )  # fmt: skip
 
-    def _hopeless(self, checked: _Checked[Curve]) -> bool:
+    def _hopeless(self, checked: CheckedCurve[Curve]) -> bool:
         diverges = checked.number >= HOPELESS_ROUNDS and min(self._previous, checked.error) > HOPELESS
         return diverges or self._model.size > LARGEST_BASIS
 

@@ -236,8 +236,8 @@ def trained_response(
     Raises
     ------
     ConvergenceError
-        If the curve cannot be followed in an accurate basis, or no basis reaches the tolerance. ``partial`` holds the
-        last curve.
+        If the curve cannot be followed in an accurate basis, or no basis reaches the tolerance and none has a
+        curve with an error of at most 1 %. ``partial`` holds the last curve.
     """
     structure = Structure.of(condensation, preload, laws, Sampling(harmonics, samples), max_periods)
     steps, subsets = control or StepControl(), PointSampling(wanted=hyper_reduction)

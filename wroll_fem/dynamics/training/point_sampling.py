@@ -60,14 +60,14 @@ class PointSampling:
     ----------
     error : errors of the subset on the last curve; None if this curve was followed with all points
     motions : motions for which the next subset is chosen; None before the first corrections
-    used : the last subset from which Newton's matrix came; None before it
+    last_subset : the last subset from which Newton's matrix came; None before it
     """
 
     def __init__(self, *, wanted: bool):
         self.wanted = wanted
         self.error: SampleError | None = None
         self.motions: Motions | None = None
-        self.used: PointSample | None = None
+        self.last_subset: PointSample | None = None
         self._renew = True
         self._latest: PointSample | None = None
 
@@ -96,7 +96,7 @@ class PointSampling:
         if self.wanted and self.motions is not None and whole.n >= FEWEST:
             if self._latest is None:
                 self._latest = sampled(whole, self.motions)
-            self.used = self._latest
+            self.last_subset = self._latest
             return points.moved_to(level.contact(model, tangent=self._latest), control, starts, only, exact=whole)
         return points.moved_to(whole, control, starts, only)
 
@@ -130,7 +130,7 @@ class PointSampling:
             return follow(whole, factor)
         if factor > 1.0:
             return part.extended(whole)
-        self.used = sample
+        self.last_subset = sample
         loose = replace(control, tolerance=COMPLETED, max_iterations=PATIENCE * control.max_iterations, renewal=RENEWAL)
         done = part.moved_to(level.contact(model, tangent=sample), loose, part.coefficients, exact=whole)
         if len(done.frequencies) < len(part.frequencies):
@@ -143,7 +143,9 @@ class PointSampling:
 
     def with_reading_points(self, curve: HarmonicCurve, level: Structure, control: StepControl) -> HarmonicCurve:
         """Curve with points for its readings (`with_reading_points`), by Newton's matrix of the last subset."""
-        quick = None if self.used is None else level.contact(curve.balance.model, tangent=self.used)
+        level, quick = level.with_harmonics(curve.balance.contact.sampling.harmonics), None
+        if self.last_subset is not None:
+            quick = level.contact(curve.balance.model, tangent=self.last_subset)
         return with_reading_points(curve, control, quick)
 
     def _before(

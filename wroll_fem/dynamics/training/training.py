@@ -102,7 +102,7 @@ class Trained(Generic[Curve]):
     tip_error : largest relative change of the fundamental of the tip displacement by these corrections
     rounds : number of curves computed
     span_error : relative energy norm of what the motions lack in modes of a path (`PathSpan`); 0 with other modes
-    sample : errors of the subset of contact points on which the curve was followed; None if on all points
+    sample : errors of the subset of contact points on which the last curve was followed; None if on all points
     """
 
     curve: Curve

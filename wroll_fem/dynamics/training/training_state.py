@@ -27,6 +27,7 @@ class KeptCurve:
     vectors, eigenvalues : basis (r, m) of its reduced model and its eigenvalues (m,), rad^2/s^2
     curve : its arrays
     energy_error, tip_error : see `Trained`
+    incomplete : whether it has a gap or ends early
     partial : whether only the checked points and those used for the basis are solutions
     """
 
@@ -35,13 +36,19 @@ class KeptCurve:
     curve: dict[str, np.ndarray]
     energy_error: float
     tip_error: float
+    incomplete: bool
     partial: bool
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """The smaller, the better: first sound curves (all that are kept), then complete ones, then by their errors."""
+        return False, self.incomplete, self.energy_error
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
         """All of it for a checkpoint; `of_arrays` is the inverse."""
-        errors = np.array([self.energy_error, self.tip_error, self.partial], float)
-        basis = {"vectors": self.vectors, "eigenvalues": self.eigenvalues, "errors": errors}
+        marks = np.array([self.energy_error, self.tip_error, self.incomplete, self.partial], float)
+        basis = {"vectors": self.vectors, "eigenvalues": self.eigenvalues, "marks": marks}
         return basis | _under("curve_", self.curve)
 
     @classmethod
@@ -49,8 +56,11 @@ class KeptCurve:
         """Curve from its `arrays`; None if there are none."""
         if not found:
             return None
-        energy, tip, partial = found["errors"].tolist()
-        return cls(found["vectors"], found["eigenvalues"], _with_prefix(found, "curve_"), energy, tip, bool(partial))
+        energy, tip, incomplete, partial = found["marks"].tolist()
+        return cls(
+            found["vectors"], found["eigenvalues"], _with_prefix(found, "curve_"), energy, tip, bool(incomplete),
+            bool(partial),
+        )  # fmt: skip
 
 
 def _with_prefix(arrays: dict[str, np.ndarray], prefix: str) -> dict[str, np.ndarray]:
