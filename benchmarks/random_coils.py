@@ -21,10 +21,10 @@ from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
+import wroll_fem as wf  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 import numpy as np
 import xarray as xr
 
-import wroll_fem as wf
 from wroll_fem.errors import WrollError
 
 CONFIGS = Path(__file__).parents[1] / "configs"

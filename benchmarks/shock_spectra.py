@@ -14,11 +14,11 @@ import warnings
 from importlib.metadata import version
 from pathlib import Path
 
+import wroll_fem as wf  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 import numpy as np
 from pyyeti.srs import srs  # type: ignore[import-not-found,unused-ignore]
 from scipy.signal import butter, sosfilt
 
-import wroll_fem as wf
 from wroll_fem.signals.shock.spectrum import INTERVALS, shock_spectra
 from wroll_fem.typing import FloatArray
 

@@ -16,6 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import wroll_fem  # noqa: F401  isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 import numpy as np
 from PIL import Image, TiffImagePlugin
 

@@ -18,11 +18,10 @@ from typing import NamedTuple
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import wroll_fem as wf  # isort: skip  (before numpy: it selects the kernels of OpenBLAS)
 import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
-
-import wroll_fem as wf
 
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"
 FREQUENCY, DAMPING = 2e-3, 1e-2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import subprocess
 import sys
@@ -83,3 +84,29 @@ def test_a_job_reports_seconds_memory_and_readings(tmp_path: Path) -> None:
     assert 0.0 < found["loop_cpu_s"] < found["total_cpu_s"]
     assert 50.0 < found["peak_memory_mb"] < 1500.0
     assert len(np.load(tmp_path / "x.npz")["tip"]) == 81
+
+
+LOAD_A_BLAS = ("numpy", "scipy", "xarray", "numba", "matplotlib", "petsc4py")
+
+
+@pytest.mark.parametrize("room", ["benchmarks", "tools"])
+def test_scripts_import_the_package_before_a_blas_is_loaded(room: str) -> None:
+    """OpenBLAS reads the names of its kernels once: after numpy, a processor it does not know computes without AVX."""
+    late = []
+    for file in sorted((ROOT / room).glob("*.py")):
+        rooms = imported(ast.parse(file.read_text(encoding="utf-8")))
+        blas = [k for k, name in enumerate(rooms) if name in LOAD_A_BLAS]
+        if "wroll_fem" in rooms and blas and rooms.index("wroll_fem") > blas[0]:
+            late.append(file.name)
+    assert not late
+
+
+def imported(module: ast.Module) -> list[str]:
+    """First parts of the names that a module imports at its top level, in order."""
+    found: list[str] = []
+    for statement in module.body:
+        if isinstance(statement, ast.Import):
+            found += [alias.name.split(".")[0] for alias in statement.names]
+        elif isinstance(statement, ast.ImportFrom) and statement.module:
+            found.append(statement.module.split(".")[0])
+    return found
