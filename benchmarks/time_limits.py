@@ -17,6 +17,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from wroll_fem.blas import first_processor
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -82,7 +84,8 @@ def main() -> None:
     if asked.page:
         page = [
             "# Time and memory of whole jobs", "",
-            "CPU seconds of one core, imports to reading, without figures. Computed by",
+            f"CPU seconds of one core of an {first_processor().get('model name', 'unknown processor')}, imports to",
+            "reading, without figures. Computed by",
             "`.venv/bin/python benchmarks/time_limits.py --page docs/tables/time_limits.md`; `--check` compares with",
             "the limits.", "", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads), *lines,
         ]  # fmt: skip
