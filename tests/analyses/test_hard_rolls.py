@@ -11,7 +11,7 @@ from support.paths import CONFIGS
 from wroll_fem.analyses import history, run_analysis, summarise
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
 from wroll_fem.case import load_case
-from wroll_fem.errors import ConvergenceError
+from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import SilentProgress
 
 COARSE = "mesh={circumferential: 8, axial: 4, grading: 3}"
@@ -95,3 +95,9 @@ def test_a_backbone_begins_where_the_preload_leaves_points_at_their_slip_limit()
     assert not [text for text in progress.warnings if "the backbone ends" in text]
     assert float(found["resonance_frequency"][0]) == pytest.approx(found.attrs["f_stuck_hz"], rel=2e-3)
     assert abs(float(found["modal_damping"][0])) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["harmonic", "backbone", "random_response"])
+def test_a_layer_that_nothing_presses_or_holds_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match=r"preload: an interface carries no pressure, and nothing else holds"):
+        run(name, COARSE, "preload.pressure=0")

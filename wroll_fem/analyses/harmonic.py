@@ -39,9 +39,10 @@ from wroll_fem.dynamics.reduction.condensation import Condensation, condense, en
 from wroll_fem.dynamics.reduction.kept_structure import kept_modes
 from wroll_fem.dynamics.reduction.snapshots import WholeSlip, snapshots_of_chirp
 from wroll_fem.dynamics.statics.contact_springs import stick_springs
-from wroll_fem.dynamics.statics.contact_state import ContactState
+from wroll_fem.dynamics.statics.contact_state import ContactState, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
+from wroll_fem.dynamics.time_stepping.reduced import FLOATING
 from wroll_fem.dynamics.training.enrichment import checked_points, trained_response
 from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.errors import ConvergenceError, InputError
@@ -60,7 +61,13 @@ resonance into the band."""
 
 
 def condensed_structure(case: StructuralCase, system: System, state: ContactState, progress: Progress) -> Condensation:
-    """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force."""
+    """Reduce the structure with stuck interfaces to the modes excited by interface forces, base motion or tip force.
+
+    Raises
+    ------
+    InputError
+        If an interface carries no pressure and a layer floats: a motion without stiffness has no steady response.
+    """
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
         moments = enough_moments(system, springs)
@@ -69,6 +76,12 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
             lambda springs: condense(system, springs, Scheme.hht(0.0), case.time_step, moments=moments),
         )  # fmt: skip
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
+    values = condensation.eigenvalues
+    if unpressed(system, state) and values.min() < FLOATING * values.max():
+        raise InputError(
+            "an interface carries no pressure, and nothing else holds its layers: they have no steady response",
+            key="preload", remedy="give a preload that presses every interface, or use analysis: dwell or sweep",
+        )  # fmt: skip
     if not condensation.exact:
         progress.warning(
             "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
