@@ -12,9 +12,7 @@ from wroll_fem.case.excitation import ANALYSIS_OF_MOTION, ChirpExcitation, Excit
 from wroll_fem.case.integrator import Integrator
 from wroll_fem.case.mandrel import Mandrel
 from wroll_fem.case.mesh import Mesh
-from wroll_fem.case.modal import Modal
 from wroll_fem.case.output import Output
-from wroll_fem.case.preload import Preload
 from wroll_fem.case.probes import Probes
 from wroll_fem.case.solver import Solver
 from wroll_fem.case.two_dof import TwoDof
@@ -112,32 +110,6 @@ def check_base(mandrel: Mandrel, analysis: str) -> None:
         )  # fmt: skip
 
 
-INTERFACE_SECTIONS = {"contact": "friction and normal contact", "preload": "pressure on the layers"}
-"""Case sections that describe the interfaces of a coil."""
-
-
-def check_interfaces(section: str, coil: Coil, modal: Modal, analysis: str, written: set[str]) -> None:
-    """Require a case section of `INTERFACE_SECTIONS` if the analysis uses the interfaces of the coil.
-
-    Parameters
-    ----------
-    written
-        Names of the case sections in the file.
-
-    Raises
-    ------
-    PydanticCustomError
-        If the check fails.
-    """
-    stuck = analysis == "modal" and modal.interface == "stuck"
-    if not coil.has_interfaces or (analysis == "modal" and not stuck) or section in written:
-        return
-    slips = "coil.interface: friction" if coil.rubs else "coil.model: layers"
-    reason = "modal.interface: stuck linearises the preloaded contact" if stuck else f"{slips} has interfaces"
-    remedy = f"add it ({INTERFACE_SECTIONS[section]}): {reason}"
-    raise validation_error("required section is missing", key=section, show_value=False, remedy=remedy)
-
-
 def check_probes(probes: Probes, coil: Coil, span: tuple[float, float], length: float) -> None:
     """Refuse probes outside the shells of the roll, whose coil has a ``span`` in m, and invalid probe names.
 
@@ -165,36 +137,6 @@ def check_probes(probes: Probes, coil: Coil, span: tuple[float, float], length: 
         if probe.body != "mandrel" and not span[0] <= probe.z <= span[1]:
             remedy = f"give a height from {span[0]:g} to {span[1]:g} m, or body: mandrel"
             raise validation_error("is outside the coil", key=f"{key}.z", value=probe.z, remedy=remedy)
-
-
-def check_layers(coil: Coil) -> None:
-    """Require a coil with interfaces for the analysis preload.
-
-    Raises
-    ------
-    PydanticCustomError
-        If the check fails.
-    """
-    if not coil.has_interfaces:
-        problem = "analysis preload needs layers, or a solid coil that rubs on its mandrel"
-        remedy = "use layers, or solid with coil.interface: friction"
-        raise validation_error(problem, key="coil.model", value=coil.model, remedy=remedy)
-
-
-def check_pressures(preload: Preload | None, layers: int) -> None:
-    """Require one external pressure, or a list with one external pressure per layer.
-
-    Raises
-    ------
-    PydanticCustomError
-        If the check fails.
-    """
-    pressure = None if preload is None else preload.pressure
-    if isinstance(pressure, list) and len(pressure) != layers:
-        raise validation_error(
-            f"{len(pressure)} pressures for {layers} layer{'s' if layers > 1 else ''}", key="preload.pressure",
-            value=pressure, remedy=f"give {layers} (inner first), or one number for the outermost layer",
-        )  # fmt: skip
 
 
 def check_band(excitation: ChirpExcitation) -> None:
@@ -341,21 +283,6 @@ def check_geometric_stiffness(coil: Coil, mesh: Mesh, *, contact: bool, analysis
     if coil.model == "layers" and not contact:
         remedy = "add it (friction and normal contact): the preload acts through the contact"
         raise validation_error("required section is missing", key="contact", show_value=False, remedy=remedy)
-
-
-def check_winding_stress(preload: Preload | None) -> None:
-    """Refuse a preload by winding stress with geometric stiffness.
-
-    Raises
-    ------
-    PydanticCustomError
-        If the check fails.
-    """
-    if preload is not None and preload.kind == "winding_stress":
-        raise validation_error(
-            "does not compute the stress of the shells, which sets their geometric stiffness", key="preload.kind",
-            value=preload.kind, remedy="use winding_tension, or leave the geometric stiffness out",
-        )  # fmt: skip
 
 
 def check_design_map(design_map: DesignMap, coil: Coil, mesh: Mesh) -> None:

@@ -18,9 +18,9 @@ from wroll_fem.case.checks import (
     check_band,
     check_damping_method,
     check_design_map,
-    check_layers,
 )
 from wroll_fem.case.checks_coil import check_mode, check_resonance, check_solid_coil
+from wroll_fem.case.checks_interfaces import check_layers
 from wroll_fem.case.checks_winding import check_winding_friction, check_winding_mandrel, check_winding_size
 from wroll_fem.case.coil import Coil
 from wroll_fem.case.contact import Contact

@@ -10,18 +10,15 @@ from pydantic import Field
 
 from wroll_fem.case.case import Case, Check
 from wroll_fem.case.checks import (
-    INTERFACE_SECTIONS,
     check_base,
     check_damping_of_file,
     check_direction_of_file,
     check_fourier,
     check_geometric_stiffness,
-    check_interfaces,
-    check_pressures,
     check_probes,
-    check_winding_stress,
 )
 from wroll_fem.case.checks_coil import check_inside, check_shaken_wraps
+from wroll_fem.case.checks_interfaces import INTERFACE_SECTIONS, check_interfaces, check_pressures, check_winding_stress
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
 from wroll_fem.case.checks_winding import (
