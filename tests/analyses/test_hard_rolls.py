@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from support.paths import CONFIGS
 
 from wroll_fem.analyses import history, run_analysis, summarise
 from wroll_fem.analyses.forecasts.closed_forms import beam_frequency
+from wroll_fem.analyses.shared.preparation import prepare
 from wroll_fem.case import load_case
+from wroll_fem.dynamics.system.io import save_system
 from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.progress import SilentProgress
 
@@ -98,6 +101,21 @@ def test_a_backbone_begins_where_the_preload_leaves_points_at_their_slip_limit()
 
 
 @pytest.mark.parametrize("name", ["harmonic", "backbone", "random_response"])
-def test_a_layer_that_nothing_presses_or_holds_is_refused(name: str) -> None:
+def test_a_layer_from_which_another_one_moves_away_is_refused(name: str) -> None:
+    """The pressure on the inner layer opens the interface on which the outer one, nearly unpressed, would rest."""
     with pytest.raises(InputError, match=r"preload: an interface carries no pressure, and nothing else holds"):
-        run(name, COARSE, "preload.pressure=0")
+        run(name, COARSE, "coil.layers=2", "preload.pressure=[1e5, 1.0]")
+
+
+def test_matrices_with_a_layer_that_friction_does_not_hold_at_rest_end_with_the_cause(tmp_path: Path) -> None:
+    """No basis holds the mean displacement, or Newton's method does not find it: rounding decides which."""
+    smoothed = "contact.friction={law: smoothed_coulomb, mu: 0.25, reference_speed: 1e-4}"
+    roll = load_case(CONFIGS / "lab_dwell.yaml", [COARSE, smoothed])
+    system, state = prepare(roll, SilentProgress())
+    save_system(system, tmp_path / "roll.npz", preload=state)
+    (tmp_path / "case.yaml").write_text(
+        "analysis: harmonic\nstructure: {file: roll.npz}\n"
+        "excitation: {kind: chirp, amplitude: 5, f_start: 125, f_end: 175, rate_oct_per_min: 2}\n"
+    )
+    with pytest.raises(ConvergenceError, match="mean displacement is undetermined"):
+        run_analysis(load_case(tmp_path / "case.yaml"), progress=SilentProgress())

@@ -352,6 +352,12 @@ class Coil(Section):
         """Whether the coil can slip: layers, or a solid with friction on its mandrel."""
         return self.model == "layers" or self.rubs
 
+    def holds(self, layer: int) -> bool:
+        """Whether the base holds a layer (1: at the mandrel) in every direction."""
+        if self.base == "guided":
+            return self.base_stiffness > 0.0
+        return self.base == "clamped" or (self.base == "inner_edge" and layer == 1)
+
     @property
     def is_layered(self) -> bool:
         """Whether the layers are shells with plies."""

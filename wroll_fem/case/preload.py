@@ -102,6 +102,18 @@ class Preload(SparseSection):
             return list(self.pressure)
         return [0.0] * (layers - 1) + [self.pressure]
 
+    def bare_interfaces(self, layers: int) -> list[int]:
+        """Interfaces that the given pressures leave without pressure, counted from 1 at the mandrel.
+
+        Empty for pressures that are computed. An external pressure on a layer presses every interface further in.
+        """
+        if self.pressure is None or self.kind not in ("external_pressure", "winding_stress"):
+            return []
+        if self.kind == "winding_stress":
+            return [k for k, pressure in enumerate(self.per_interface(layers), 1) if pressure == 0.0]
+        outside = self.per_layer(layers)
+        return [k for k in range(1, layers + 1) if not any(outside[k - 1 :])]
+
 
 def _pressure(value: Any) -> float:
     number = _number(value)

@@ -18,7 +18,13 @@ from wroll_fem.case.checks import (
     check_probes,
 )
 from wroll_fem.case.checks_coil import check_inside, check_shaken_wraps
-from wroll_fem.case.checks_interfaces import INTERFACE_SECTIONS, check_interfaces, check_pressures, check_winding_stress
+from wroll_fem.case.checks_interfaces import (
+    INTERFACE_SECTIONS,
+    check_held,
+    check_interfaces,
+    check_pressures,
+    check_winding_stress,
+)
 from wroll_fem.case.checks_supports import check_supports
 from wroll_fem.case.checks_walls import check_margins, check_plies, check_wall
 from wroll_fem.case.checks_winding import (
@@ -122,6 +128,7 @@ class OnRoll(StructuralCase, RollSections):
         yield lambda: check_wall(self.geometry, self.mandrel, self.coil, self.mesh)
         yield self._check_margins
         yield lambda: check_pressures(self.preload, self.coil.layers)
+        yield lambda: check_held(self.coil, self.contact, self.preload, self.analysis)
         yield lambda: check_probes(self.probes or {}, self.coil, self.coil_span, self.geometry.length)
         yield lambda: check_winding_given(self.winding, self.preload)
         yield lambda: check_winding_size(self.winding, self.geometry, self.coil)

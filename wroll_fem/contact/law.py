@@ -7,6 +7,7 @@ case file is read without them. `laws` compiles the functions of all laws in `re
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields, replace
 from functools import cache
 from typing import Annotated, Any, ClassVar, NamedTuple, Self, cast, get_args, get_origin, get_type_hints
@@ -68,6 +69,11 @@ class FrictionLaw:
     def constant_stick(self) -> float:
         """Stick stiffness, Pa/m, if it is constant; 0 if it is mu p / elastic_slip, proportional to the pressure."""
         return 0.0
+
+    @property
+    def acts_at_rest(self) -> bool:
+        """Whether a point at rest transmits a tangential traction under pressure."""
+        return self.constant_stick > 0.0 or math.isfinite(self.rest_length(math.inf))
 
     def rest_length(self, dt: float) -> float:
         """Length L, m, in the tangent stiffness mu p / L at rest, for a step ``dt`` (s; infinite in statics)."""

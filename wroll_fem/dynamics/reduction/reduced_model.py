@@ -18,7 +18,7 @@ import scipy.linalg as la
 
 from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.reduction.condensation import Condensation
-from wroll_fem.errors import InputError
+from wroll_fem.errors import ConvergenceError, InputError
 from wroll_fem.typing import FloatArray
 
 DEPENDENT = 1e-7
@@ -122,6 +122,8 @@ def ritz_vectors(condensation: Condensation, vectors: FloatArray) -> tuple[Float
     ------
     InputError
         If no vector is left.
+    ConvergenceError
+        If a vector has no stiffness.
     """
     basis = _orthonormal(vectors, condensation.eigenvalues)
     if basis.shape[1] == 0:
@@ -192,7 +194,20 @@ def _orthonormal(vectors: FloatArray, eigenvalues: FloatArray) -> FloatArray:
     kept = la.solve_triangular(triangle[:rank, :rank], kept.T, trans="T").T
     gram = kept.T @ kept
     weight, rotation = la.eigh(0.5 * (gram + gram.T))
+    if not weight.min() > 0.0:
+        raise _without_stiffness()
     basis = kept @ (rotation / np.sqrt(weight))
     again = basis.T @ basis  # one more pass takes the rounding of small weights out
-    factor = la.cholesky(0.5 * (again + again.T))
+    try:
+        factor = la.cholesky(0.5 * (again + again.T))
+    except la.LinAlgError:
+        raise _without_stiffness() from None
     return np.asarray(la.solve_triangular(factor, basis.T, trans="T").T)
+
+
+def _without_stiffness() -> ConvergenceError:
+    """Error of a motion whose energy vanishes beside its mass, so that rounding leaves nothing of the other motions."""
+    return ConvergenceError(
+        "no reduced model found for a motion without stiffness", time_s=None, iterations=0, residual_history=[],
+        advice="hold every body by a support, a spring, or a contact that sticks at rest",
+    )  # fmt: skip
