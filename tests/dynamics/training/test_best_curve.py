@@ -43,11 +43,20 @@ def with_errors(monkeypatch: pytest.MonkeyPatch, errors: tuple[float, ...]) -> l
 
 
 def assert_solved(curve: HarmonicCurve | BackboneCurve) -> None:
-    """All points satisfy the equations of harmonic balance, in the basis of the curve."""
+    """A Newton step changes no point by more than 2e-6 of its motion, in the energy norm.
+
+    The residual itself is no measure: Newton's method ends by its correction, and the stiffest modes, whose motion is
+    rounding, hold most of the residual (1e-5 to 4e-5 of the load, depending on the kernels of OpenBLAS).
+    """
     assert isinstance(curve, HarmonicCurve)
+    balance = curve.balance
+    active = balance.contact.active
     for q, w in zip(curve.coefficients, curve.frequencies, strict=True):
-        residual, _ = curve.balance.residual(q, w)
-        assert np.linalg.norm(residual) < 3e-5 * np.linalg.norm(curve.balance.load())
+        residual, contact = balance.residual(q, w)
+        step = np.zeros(q.size)
+        step[active] = np.linalg.solve(balance.jacobian(q, w, contact)[0], residual.ravel()[active])
+        root = np.sqrt(np.maximum(balance.model.eigenvalues, 0.0) + w**2)
+        assert np.linalg.norm(root * step.reshape(q.shape)) < 2e-6 * np.linalg.norm(root * q)
 
 
 @pytest.mark.parametrize("sparse", [0.0, 10.0])
