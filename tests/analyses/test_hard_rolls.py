@@ -107,8 +107,8 @@ def test_a_layer_from_which_another_one_moves_away_is_refused(name: str) -> None
         run(name, COARSE, "coil.layers=2", "preload.pressure=[1e5, 1.0]")
 
 
-def test_matrices_with_a_layer_that_friction_does_not_hold_at_rest_end_with_the_cause(tmp_path: Path) -> None:
-    """No basis holds the mean displacement, or Newton's method does not find it: rounding decides which."""
+def test_matrices_with_a_layer_that_friction_does_not_hold_at_rest_are_refused(tmp_path: Path) -> None:
+    """The mean displacement of the layer is undetermined: rounding would decide where the training ends."""
     smoothed = "contact.friction={law: smoothed_coulomb, mu: 0.25, reference_speed: 1e-4}"
     roll = load_case(CONFIGS / "lab_dwell.yaml", [COARSE, smoothed])
     system, state = prepare(roll, SilentProgress())
@@ -117,5 +117,5 @@ def test_matrices_with_a_layer_that_friction_does_not_hold_at_rest_end_with_the_
         "analysis: harmonic\nstructure: {file: roll.npz}\n"
         "excitation: {kind: chirp, amplitude: 5, f_start: 125, f_end: 175, rate_oct_per_min: 2}\n"
     )
-    with pytest.raises(ConvergenceError, match="mean displacement is undetermined"):
+    with pytest.raises(InputError, match="mean displacement is undetermined"):
         run_analysis(load_case(tmp_path / "case.yaml"), progress=SilentProgress())

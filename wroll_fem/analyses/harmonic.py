@@ -32,6 +32,7 @@ from wroll_fem.analyses.slip_modes import in_span, path_span, slips_inside
 from wroll_fem.analyses.training_progress import Passes, training_file
 from wroll_fem.blas import one_thread
 from wroll_fem.case.structural import OnRoll, OnStructure
+from wroll_fem.contact.point import contact_dofs
 from wroll_fem.dynamics.periodic.causes import with_cause
 from wroll_fem.dynamics.periodic.datasets import curve_dataset, cycle_balance_error, quadrature_error
 from wroll_fem.dynamics.periodic.response import HarmonicCurve
@@ -43,6 +44,7 @@ from wroll_fem.dynamics.statics.contact_state import ContactState, unpressed
 from wroll_fem.dynamics.system.system import System
 from wroll_fem.dynamics.time_stepping.hht import Scheme
 from wroll_fem.dynamics.time_stepping.reduced import FLOATING
+from wroll_fem.dynamics.training.basis import SMALL
 from wroll_fem.dynamics.training.enrichment import checked_points, trained_response
 from wroll_fem.dynamics.training.training import Trained
 from wroll_fem.errors import ConvergenceError, InputError
@@ -66,7 +68,7 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
     Raises
     ------
     InputError
-        If an interface carries no pressure and a layer floats: a motion without stiffness has no steady response.
+        If a layer floats that an interface should hold: a motion without stiffness has no steady response.
     """
     with progress.stage("modes", 1) as stage:
         springs = stick_springs(system, state)
@@ -77,11 +79,8 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
         )  # fmt: skip
         stage.update(1, f"{len(condensation.eigenvalues)} modes")
     values = condensation.eigenvalues
-    if unpressed(system, state) and values.min() < FLOATING * values.max():
-        raise InputError(
-            "an interface carries no pressure, and nothing else holds its layers: they have no steady response",
-            key="preload", remedy="give a preload that presses every interface, or use analysis: dwell or sweep",
-        )  # fmt: skip
+    if values.min() < FLOATING * values.max():
+        _check_floating(system, state, springs, small=len(values) <= SMALL)
     if not condensation.exact:
         progress.warning(
             "cyclic symmetry cannot be used (the mesh has no rotational symmetry, or a matrix file contains damping or "
@@ -89,6 +88,28 @@ def condensed_structure(case: StructuralCase, system: System, state: ContactStat
             "error of about 1e-4 of the largest displacement"
         )
     return condensation
+
+
+def _check_floating(system: System, state: ContactState, springs: FloatArray, *, small: bool) -> None:
+    """Refuse interfaces that leave a floating layer without stiffness; ``small`` structures need no basis of motions.
+
+    Raises
+    ------
+    InputError
+        If an interface carries no pressure, or friction without memory acts in a structure that is not small.
+    """
+    if unpressed(system, state):
+        raise InputError(
+            "an interface carries no pressure, and nothing else holds its layers: they have no steady response",
+            key="preload", remedy="give a preload that presses every interface, or use analysis: dwell or sweep",
+        )  # fmt: skip
+    loose = springs[contact_dofs(system.n_points)[:, 0]] == 0.0
+    if not small and bool((loose & (system.laws.mu > 0.0) & (state.pressure > 0.0)).any()):
+        raise InputError(
+            "friction without memory transmits no traction at rest, and nothing else holds the layers: their mean "
+            "displacement is undetermined", key="friction.law",
+            remedy="use penalty_coulomb, or analysis: dwell or sweep",
+        )  # fmt: skip
 
 
 def _check_orders(system: System, harmonics: int) -> None:
