@@ -36,6 +36,18 @@ def test_phi_functions_are_those_of_the_exponential(size: float) -> None:
         factorial *= k
 
 
+def test_a_stiff_matrix_beside_it_changes_no_digit() -> None:
+    """Each matrix is doubled as often as its own norm asks for: a doubling doubles the rounding error."""
+    soft, stiff = np.array([[0.0, 0.3], [-0.3, -0.01]]), np.array([[0.0, 3000.0], [-3000.0, -30.0]])
+    together, alone = (
+        phi_functions(np.array([soft, stiff]), 5),
+        (phi_functions(soft[None], 5), phi_functions(stiff[None], 5)),
+    )
+    for k in range(6):
+        np.testing.assert_array_equal(together[k], np.concatenate([alone[0][k], alone[1][k]]))
+    np.testing.assert_allclose(together[0][0], la.expm(soft), rtol=1e-14)
+
+
 def test_free_motion_is_exact_for_any_damping() -> None:
     """No stiffness, light, critical and strong damping, and modes of 1.6 and 32 cycles per step."""
     values = np.array([0.0, 1e4, 1e4, 1e4, 1e8, 4e10])

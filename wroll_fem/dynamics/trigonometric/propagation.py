@@ -79,22 +79,27 @@ class Propagation(NamedTuple):
 
 
 def phi_functions(matrix: FloatArray, count: int) -> list[FloatArray]:
-    """Functions phi_0, ..., phi_count of ``matrix`` (..., n, n), each of this shape."""
-    norm = float(np.abs(matrix).sum(axis=-1).max(initial=0.0))
-    doublings = max(0, int(np.ceil(np.log2(max(norm, 1e-300) / SMALL))))
-    part, unit = matrix / 2.0**doublings, np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
+    """Functions phi_0, ..., phi_count of each ``matrix`` (b, n, n), each of this shape.
+
+    A doubling doubles the relative rounding error. A matrix is therefore halved and doubled as often as its own norm
+    asks for, not as often as the largest one of the b.
+    """
+    norm = np.abs(matrix).sum(axis=-1).max(axis=-1, initial=0.0)
+    doublings = np.ceil(np.log2(np.maximum(norm, SMALL) / SMALL)).astype(np.int64)
+    part, unit = matrix / 2.0 ** doublings[:, None, None], np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
     found = []
     for k in range(count + 1):
         total = unit / float(factorial(k + TERMS))
         for j in range(TERMS - 1, -1, -1):
             total = part @ total + unit / float(factorial(k + j))
         found.append(total)
-    for _ in range(doublings):
-        exponential = found[0]
-        found = [
-            (exponential @ phi + sum((found[j] / factorial(k - j) for j in range(1, k + 1)), np.zeros(1))) / 2.0**k
-            for k, phi in enumerate(found)
-        ]
+    for done in range(doublings.max(initial=0)):
+        here = doublings > done
+        half = [phi[here] for phi in found]
+        for k, phi in enumerate(half):
+            found[k][here] = (
+                half[0] @ phi + sum((half[j] / factorial(k - j) for j in range(1, k + 1)), np.zeros(1))
+            ) / 2.0**k
     return found
 
 
